@@ -1,0 +1,10 @@
+//! One closed loop with its full history, or many at once: lanes times threads.
+//!
+//! A flight's result depends on its recipe, the seed and its own index, never on the lane, the block or the thread that
+//! flies it.
+
+mod many;
+mod one;
+
+pub use many::{Fleet, Outcome, Workload, fly_many, fly_workload};
+pub use one::{FlightRecord, fly_one};

@@ -1,0 +1,206 @@
+//! What a flight starts from: the numbers of its case, any of which may differ from lane to lane, and the plan, which
+//! is the same for the whole batch.
+
+use crate::batch_struct;
+use crate::gnc::laws::LawRecipe;
+use crate::number::{Mat3, Quat, Vec3};
+
+batch_struct! {
+    /// Every number of a flight, before a law's gains.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+    pub struct Case<R> {
+        /// The target's circular orbit.
+        pub orbit: Orbit<R>,
+        /// The controlled spacecraft.
+        pub chaser: Body<R>,
+        /// The dead satellite.
+        pub debris: Body<R>,
+        /// State of both bodies at t = 0.
+        pub start: Motion<R>,
+        /// Where the chaser is to go.
+        pub goal: GoalPositions<R>,
+        /// Thresholds of capture.
+        pub capture: CaptureThresholds<R>,
+        /// Thresholds of a settled stack.
+        pub settled: SettledThresholds<R>,
+        /// What the actuators can give.
+        pub actuators: Limits<R>,
+        /// Standard deviations of the sensor noise.
+        pub sensors: NoiseSigmas<R>,
+        /// What the laws believe of the spacecraft they fly.
+        pub belief: Belief<R>,
+    }
+}
+
+batch_struct! {
+    /// The target's circular orbit.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+    pub struct Orbit<R> {
+        /// Mean motion n \[rad/s\].
+        pub mean_motion: R,
+        /// Attitude of H at t = 0, H -> N.
+        pub lvlh_attitude: Quat<R>,
+    }
+}
+
+batch_struct! {
+    /// A rigid body.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+    pub struct Body<R> {
+        /// Mass \[kg\].
+        pub mass: R,
+        /// Inertia about the centre of mass, body axes \[kg m²\].
+        pub inertia: Mat3<R>,
+        /// Grasp point, body axes \[m\]; zero when the plan has none.
+        pub grasp_point: Vec3<R>,
+    }
+}
+
+batch_struct! {
+    /// State of both bodies. After capture `position`, `velocity` and `chaser_*` are the stack's, and the debris rides along.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+    pub struct Motion<R> {
+        /// r_CD_H: chaser relative to the debris' orbit, in H \[m\].
+        pub position: Vec3<R>,
+        /// Its rate of change as seen in the turning H \[m/s\].
+        pub velocity: Vec3<R>,
+        /// C -> N.
+        pub chaser_attitude: Quat<R>,
+        /// omega_CN_C \[rad/s\].
+        pub chaser_rate: Vec3<R>,
+        /// D -> N.
+        pub debris_attitude: Quat<R>,
+        /// omega_DN_D \[rad/s\].
+        pub debris_rate: Vec3<R>,
+    }
+}
+
+batch_struct! {
+    /// Fixed goals in H \[m\]; without meaning where grasp points move the goal.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+    pub struct GoalPositions<R> {
+        /// r_des before capture.
+        pub position: Vec3<R>,
+        /// r_des of the stack, if the plan gives one.
+        pub after_capture: Vec3<R>,
+    }
+}
+
+batch_struct! {
+    /// Capture holds while every quantity is strictly below its threshold.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+    pub struct CaptureThresholds<R> {
+        /// \[m\]
+        pub distance: R,
+        /// Of the attitude error \[rad\].
+        pub angle: R,
+        /// Relative angular rate \[rad/s\].
+        pub rate: R,
+        /// Relative speed \[m/s\]; infinite when the scenario sets none.
+        pub speed: R,
+    }
+}
+
+batch_struct! {
+    /// The stack is settled once it stays below both until the end of the flight.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+    pub struct SettledThresholds<R> {
+        /// Stack axes against H \[rad\].
+        pub angle: R,
+        /// Rate relative to H \[rad/s\].
+        pub rate: R,
+    }
+}
+
+batch_struct! {
+    /// Limits per axis; may be infinite.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+    pub struct Limits<R> {
+        /// \[N\]
+        pub force: Vec3<R>,
+        /// \[N m\]
+        pub torque: Vec3<R>,
+    }
+}
+
+batch_struct! {
+    /// Standard deviations per axis of white Gaussian noise, drawn anew at every control tick.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+    pub struct NoiseSigmas<R> {
+        /// Relative position \[m\].
+        pub position: R,
+        /// Relative velocity \[m/s\].
+        pub velocity: R,
+        /// Chaser attitude, small angle \[rad\].
+        pub attitude: R,
+        /// Chaser rate \[rad/s\].
+        pub rate: R,
+    }
+}
+
+batch_struct! {
+    /// What the laws believe of the mass \[kg\] and inertia \[kg m²\] they fly.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+    pub struct Belief<R> {
+        /// Before capture.
+        pub chaser_mass: R,
+        /// Before capture, C axes.
+        pub chaser_inertia: Mat3<R>,
+        /// After capture, unless the plan tells the laws the truth.
+        pub stack_mass: R,
+        /// After capture, C axes.
+        pub stack_inertia: Mat3<R>,
+    }
+}
+
+/// What is the same for every flight of a batch: clocks, models, switches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Plan {
+    /// Time between two commands \[s\].
+    pub control_period: f64,
+    /// Integration steps in a control period.
+    pub steps_per_period: u32,
+    /// Control periods in the flight.
+    pub periods: u32,
+    /// Ticks for which the capture thresholds must have held before.
+    pub dwell_ticks: u32,
+    /// The goal is where the grasp points meet, instead of a fixed position.
+    pub grasp: bool,
+    /// Laws add the goal's acceleration (grasp points only).
+    pub feedforward: bool,
+    /// The stack has a goal of its own.
+    pub goal_after_given: bool,
+    /// Capture distance counts from the debris, not from the goal.
+    pub distance_from_debris: bool,
+    /// Capture conserves linear and angular momentum; else the paper's approximation.
+    pub momentum_conserving: bool,
+    /// The bodies join at capture; else the first time the thresholds hold is only noted.
+    pub merge: bool,
+    /// Laws are told the stack's true mass and inertia.
+    pub true_stack: bool,
+    /// A demand over the limit is scaled as a vector; else clipped axis by axis.
+    pub scaled_saturation: bool,
+    /// The laws' attitude error is 2 ε, not ε.
+    pub two_epsilon: bool,
+    /// Sliding laws cancel the exact rate of their surface.
+    pub exact_surface_rate: bool,
+}
+
+impl Plan {
+    /// Integration step \[s\].
+    pub fn step(&self) -> f64 {
+        self.control_period / f64::from(self.steps_per_period)
+    }
+}
+
+/// A whole flight as it comes from a scenario.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlightRecipe {
+    /// Numbers.
+    pub case: Case<f64>,
+    /// Law and gains.
+    pub law: LawRecipe,
+    /// Clocks and switches.
+    pub plan: Plan,
+}

@@ -1,0 +1,93 @@
+//! Capture: every quantity strictly below its threshold, all at once, held for a dwell time.
+
+use super::error::TrackingError;
+use crate::batch_struct;
+use crate::case::{CaptureThresholds, Motion, SettledThresholds};
+use crate::number::Real;
+
+batch_struct! {
+    /// Thresholds in the form in which they are compared: no root, no arc cosine in the loop.
+    pub struct CaptureTest<R> {
+        /// Distance² \[m²\].
+        pub distance_squared: R,
+        /// cos of half the angle: 2 acos|q0| < angle.
+        pub cos_half_angle: R,
+        /// Rate² \[rad²/s²\].
+        pub rate_squared: R,
+        /// Speed² \[m²/s²\].
+        pub speed_squared: R,
+    }
+}
+
+impl CaptureTest<f64> {
+    /// From the thresholds as a person writes them.
+    pub fn new(thresholds: &CaptureThresholds<f64>) -> Self {
+        Self {
+            distance_squared: thresholds.distance.powi(2),
+            cos_half_angle: (0.5 * thresholds.angle).cos(),
+            rate_squared: thresholds.rate.powi(2),
+            speed_squared: thresholds.speed.powi(2),
+        }
+    }
+}
+
+impl<R: Real> CaptureTest<R> {
+    /// Which lanes hold now. `error` is the true one, against the debris.
+    #[inline(always)]
+    pub fn holds(&self, error: &TrackingError<R>, motion: &Motion<R>, distance_from_debris: bool) -> R::Mask {
+        let distance = if distance_from_debris { motion.position } else { error.position };
+        distance.norm_squared().lt(self.distance_squared)
+            & self.cos_half_angle.lt(error.attitude.scalar())
+            & error.rate.norm_squared().lt(self.rate_squared)
+            & error.velocity.norm_squared().lt(self.speed_squared)
+    }
+}
+
+batch_struct! {
+    /// Thresholds of a settled stack, likewise.
+    pub struct SettledTest<R> {
+        /// cos of half the angle.
+        pub cos_half_angle: R,
+        /// Rate² \[rad²/s²\].
+        pub rate_squared: R,
+    }
+}
+
+impl SettledTest<f64> {
+    /// From the thresholds as a person writes them.
+    pub fn new(thresholds: &SettledThresholds<f64>) -> Self {
+        Self { cos_half_angle: (0.5 * thresholds.angle).cos(), rate_squared: thresholds.rate.powi(2) }
+    }
+}
+
+/// The capture of each lane so far.
+#[derive(Clone, Copy, Debug)]
+pub struct CaptureState<R: Real> {
+    /// Ticks in a row for which the thresholds have held.
+    held: R,
+    /// Time of capture \[s\], infinite while there is none.
+    pub time: R,
+}
+
+impl<R: Real> CaptureState<R> {
+    /// Nothing captured.
+    #[inline(always)]
+    pub fn open() -> Self {
+        Self { held: R::zero(), time: R::splat(f64::INFINITY) }
+    }
+
+    /// Lanes that were captured at or before this time.
+    #[inline(always)]
+    pub fn captured(&self) -> R::Mask {
+        self.time.lt(R::splat(f64::INFINITY))
+    }
+
+    /// Judges one tick; returns the lanes captured just now.
+    #[inline(always)]
+    pub fn judge(&mut self, holds: R::Mask, time: f64, dwell_ticks: u32) -> R::Mask {
+        self.held = R::select(holds, self.held + R::one(), R::zero());
+        let newly = R::splat(f64::from(dwell_ticks)).lt(self.held) & !self.captured();
+        self.time = R::select(newly, R::splat(time), self.time);
+        newly
+    }
+}

@@ -1,0 +1,292 @@
+//! Control laws: from a tracking error to a wrench.
+//!
+//! A law is two channels, translation and rotation, each either a [`LinearFeedback`] or a [`SlidingMode`], the latter a
+//! `surface × reaching law × compensation`. Each law's own file says which combination it is, with its equations.
+//!
+//! Translation demands a force in H, rotation a torque in C. A law sees navigation output only, and the mass and
+//! inertia it believes in. Source of the five laws: Eng. Proc. 2026, 121(1), 25, §3, lost signs restored.
+
+pub mod feedback;
+pub mod lqr;
+pub mod pd;
+pub mod prrl;
+pub mod reaching;
+pub mod riccati;
+pub mod sliding;
+pub mod sosmc;
+pub mod surface;
+pub mod tsmc;
+
+use crate::batch::Batch;
+use crate::batch_struct;
+use crate::case::Motion;
+use crate::gnc::error::TrackingError;
+use crate::number::{Mat3, Real, Vec3};
+use crate::plant::orbit::natural_acceleration;
+use crate::plant::propagate::Wrench;
+pub use feedback::LinearFeedback;
+pub use sliding::SlidingMode;
+
+/// The paper's formula to the letter, or the form that does what the paper says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum Form {
+    /// As printed.
+    Printed,
+    /// As it has to be.
+    Corrected,
+}
+
+/// Before capture a law flies the chaser against the debris; after it, the stack against H.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Two bodies.
+    BeforeCapture,
+    /// One.
+    AfterCapture,
+}
+
+batch_struct! {
+    /// What a law believes of the body it flies.
+    pub struct MassProperties<R> {
+        /// \[kg\]
+        pub mass: R,
+        /// C axes \[kg m²\].
+        pub inertia: Mat3<R>,
+    }
+}
+
+/// One channel's errors: `error` is e_r or the attitude error, `rate` is e_v or e_ω, `error_rate` the exact d(error)/dt.
+#[derive(Clone, Copy, Debug)]
+pub struct ChannelError<R> {
+    /// e_r \[m\], or κ ε with κ = 1 or 2.
+    pub error: Vec3<R>,
+    /// e_v \[m/s\] or e_ω \[rad/s\].
+    pub rate: Vec3<R>,
+    /// e_v, or κ (q0 e_ω + ε × e_ω)/2.
+    pub error_rate: Vec3<R>,
+}
+
+/// One channel of a law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Channel<R> {
+    /// PD, LQR.
+    Linear(LinearFeedback<R>),
+    /// SOSMC, TSMC, PRRL-SMC.
+    Sliding(SlidingMode<R>),
+}
+
+impl<R: Real> Batch<R> for Channel<R> {
+    type One = Channel<f64>;
+
+    fn gather<'a>(pick: &dyn Fn(usize) -> &'a Channel<f64>) -> Self {
+        match pick(0) {
+            Channel::Linear(_) => Channel::Linear(Batch::gather(&|i| match pick(i) {
+                Channel::Linear(linear) => linear,
+                Channel::Sliding(_) => one_law_a_batch(),
+            })),
+            Channel::Sliding(_) => Channel::Sliding(Batch::gather(&|i| match pick(i) {
+                Channel::Sliding(sliding) => sliding,
+                Channel::Linear(_) => one_law_a_batch(),
+            })),
+        }
+    }
+
+    fn scatter(&self, i: usize) -> Channel<f64> {
+        match self {
+            Channel::Linear(linear) => Channel::Linear(linear.scatter(i)),
+            Channel::Sliding(sliding) => Channel::Sliding(sliding.scatter(i)),
+        }
+    }
+
+    fn choose(mask: R::Mask, yes: &Self, no: &Self) -> Self {
+        match (yes, no) {
+            (Channel::Linear(yes), Channel::Linear(no)) => Channel::Linear(Batch::choose(mask, yes, no)),
+            (Channel::Sliding(yes), Channel::Sliding(no)) => Channel::Sliding(Batch::choose(mask, yes, no)),
+            _ => one_law_a_batch(),
+        }
+    }
+}
+
+/// The lanes of a batch fly the same law in the same form; anything else is a fault of the caller.
+fn one_law_a_batch() -> ! {
+    panic!("the flights of one batch must fly the same law in the same form")
+}
+
+batch_struct! {
+    /// A law with its gains, and what it believes it flies.
+    pub struct Law<R> {
+        /// Force in H.
+        pub translation: Channel<R>,
+        /// Torque in C.
+        pub rotation: Channel<R>,
+        /// Of the body in this phase.
+        pub believed: MassProperties<R>,
+    }
+}
+
+/// What a law is told at a control tick, besides its errors.
+#[derive(Clone, Copy, Debug)]
+pub struct Told<'a, R> {
+    /// The motion as seen.
+    pub motion: &'a Motion<R>,
+    /// n \[rad/s\].
+    pub mean_motion: R,
+    /// a_des to feed forward \[m/s²\]; `None` when off.
+    pub feedforward: Option<Vec3<R>>,
+    /// Attitude error 2 ε instead of ε.
+    pub two_epsilon: bool,
+}
+
+impl<R: Real> Law<R> {
+    /// Force in H \[N\] and torque in C \[N m\], before saturation.
+    #[inline(always)]
+    pub fn command(&self, error: &TrackingError<R>, told: &Told<'_, R>) -> Wrench<R> {
+        Wrench { force: self.force(error, told), torque: self.torque(error, told) }
+    }
+
+    #[inline(always)]
+    fn force(&self, error: &TrackingError<R>, told: &Told<'_, R>) -> Vec3<R> {
+        let errors = ChannelError { error: error.position, rate: error.velocity, error_rate: error.velocity };
+        let mass = self.believed.mass;
+        let force = match &self.translation {
+            Channel::Linear(linear) => linear.demand(errors.error, errors.rate),
+            Channel::Sliding(sliding) => {
+                let mut acceleration = sliding.acceleration(&errors);
+                if sliding.compensation.natural {
+                    let natural = natural_acceleration(told.mean_motion, told.motion.position, told.motion.velocity);
+                    acceleration = acceleration - natural;
+                }
+                acceleration * mass
+            }
+        };
+        match told.feedforward {
+            Some(acceleration) => force + acceleration * mass,
+            None => force,
+        }
+    }
+
+    #[inline(always)]
+    fn torque(&self, error: &TrackingError<R>, told: &Told<'_, R>) -> Vec3<R> {
+        let factor = R::splat(if told.two_epsilon { 2.0 } else { 1.0 });
+        let vector = error.attitude.vector();
+        let rate = told.motion.chaser_rate;
+        match &self.rotation {
+            Channel::Linear(linear) => linear.demand(vector * factor, linear.damped_rate(rate, error.rate)),
+            Channel::Sliding(sliding) => {
+                let turning = error.rate * error.attitude.scalar() + vector.cross(error.rate);
+                let errors = ChannelError {
+                    error: vector * factor,
+                    rate: error.rate,
+                    error_rate: turning * (factor * R::splat(0.5)),
+                };
+                let inertia = &self.believed.inertia;
+                let torque = *inertia * sliding.acceleration(&errors);
+                torque + rate.cross(*inertia * rate) * R::splat(sliding.compensation.gyroscopic)
+            }
+        }
+    }
+}
+
+/// A phase's gains of both channels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct PhaseGains<G> {
+    /// Gains of the force.
+    pub translation: G,
+    /// Gains of the torque.
+    pub rotation: G,
+}
+
+/// Form and gains of a law, before and after capture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Gains<G> {
+    /// Printed or corrected.
+    pub form: Form,
+    /// Against the debris.
+    pub before: PhaseGains<G>,
+    /// The stack against H.
+    pub after: PhaseGains<G>,
+}
+
+impl<G> Gains<G> {
+    fn of(&self, phase: Phase) -> &PhaseGains<G> {
+        match phase {
+            Phase::BeforeCapture => &self.before,
+            Phase::AfterCapture => &self.after,
+        }
+    }
+}
+
+/// A wrench held from one control tick to another, open loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Segment {
+    /// First tick at which it acts.
+    pub first_tick: u32,
+    /// First tick at which it acts no more.
+    pub end_tick: u32,
+    /// Held in the chaser's axes; else in H.
+    pub body_frame: bool,
+    /// \[N\]
+    pub force: Vec3<f64>,
+    /// \[N m\]
+    pub torque: Vec3<f64>,
+}
+
+/// A law as a scenario gives it.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(tag = "kind", rename_all = "lowercase"))]
+pub enum LawRecipe {
+    /// Proportional–derivative.
+    Pd(Gains<pd::Gains>),
+    /// Linear quadratic regulator.
+    Lqr(Gains<lqr::Weights>),
+    /// "Second-order" sliding mode, as the paper calls it.
+    Sosmc(Gains<sosmc::Gains>),
+    /// Terminal sliding mode.
+    Tsmc(Gains<tsmc::Gains>),
+    /// Power rate reaching law sliding mode.
+    Prrl(Gains<prrl::Gains>),
+    /// No law: open-loop segments.
+    None {
+        /// In order of time, not overlapping.
+        segments: Vec<Segment>,
+    },
+}
+
+/// What a law's construction depends on besides its gains.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting {
+    /// n \[rad/s\].
+    pub mean_motion: f64,
+    /// Attitude error 2 ε.
+    pub two_epsilon: bool,
+    /// Sliding laws cancel the exact rate of their surface.
+    pub exact_surface_rate: bool,
+}
+
+impl LawRecipe {
+    /// The law of one phase for a body it believes to be `believed`. `None` for open loop.
+    pub fn build(&self, phase: Phase, believed: &MassProperties<f64>, setting: &Setting) -> Option<Law<f64>> {
+        let (translation, rotation) = match self {
+            LawRecipe::Pd(gains) => pd::channels(gains.of(phase), gains.form),
+            LawRecipe::Lqr(weights) => lqr::channels(weights.of(phase), weights.form, phase, believed, setting),
+            LawRecipe::Sosmc(gains) => sosmc::channels(gains.of(phase), gains.form),
+            LawRecipe::Tsmc(gains) => tsmc::channels(gains.of(phase), setting),
+            LawRecipe::Prrl(gains) => prrl::channels(gains.of(phase), gains.form, setting),
+            LawRecipe::None { .. } => return None,
+        };
+        Some(Law { translation, rotation, believed: *believed })
+    }
+
+    /// The open-loop segments; empty for a law.
+    pub fn segments(&self) -> &[Segment] {
+        match self {
+            LawRecipe::None { segments } => segments,
+            _ => &[],
+        }
+    }
+}

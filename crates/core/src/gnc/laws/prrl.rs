@@ -1,0 +1,40 @@
+//! PRRL-SMC (Eng. Proc. 2026, 121(1), 25, §3.5): linear surface, power rate reaching law, full compensation.
+//!
+//!     s = e_v + Λ e_r     U = m (-A(r, v) - Λ e_v - K |s|^α sat(s/φ))
+//!     s = e_ω + Λ ε       τ = I (-Λ e_ω - K |s|^α sat(s/φ)) + ω × (I ω)
+//!
+//! Printed and corrected differ inside the boundary layer, see [`super::reaching`]. As printed, -Λ e_ω stands for the
+//! rate of Λ ε, which is close to Λ e_ω/2; `exact_surface_rate` puts the true one there.
+
+use super::reaching::Reaching;
+use super::sliding::{Compensation, SurfaceRate};
+use super::surface::Surface;
+use super::{Channel, Form, PhaseGains, Setting, SlidingMode};
+use crate::number::Vec3;
+
+/// Gains of one channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Gains {
+    /// Λ \[1/s\].
+    pub slope: Vec3<f64>,
+    /// K, in s-units to the power 1-α per s.
+    pub gain: Vec3<f64>,
+    /// φ \[s-units\].
+    pub layer: Vec3<f64>,
+    /// α, 0 < α < 1.
+    pub alpha: f64,
+}
+
+/// Translation and rotation.
+pub fn channels(gains: &PhaseGains<Gains>, form: Form, setting: &Setting) -> (Channel<f64>, Channel<f64>) {
+    let surface_rate = if setting.exact_surface_rate { SurfaceRate::Exact } else { SurfaceRate::Linear };
+    let channel = |gains: &Gains, natural, gyroscopic| {
+        Channel::Sliding(SlidingMode {
+            surface: Surface::Linear { slope: gains.slope },
+            reaching: Reaching::PowerRate { gain: gains.gain, exponent: gains.alpha, layer: gains.layer, inside: form },
+            compensation: Compensation { natural, surface_rate, gyroscopic },
+        })
+    };
+    (channel(&gains.translation, true, 0.0), channel(&gains.rotation, false, 1.0))
+}

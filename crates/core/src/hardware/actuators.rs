@@ -1,0 +1,18 @@
+//! Ideal force and torque generators with saturation.
+//!
+//! Assumptions: no delay, no minimum impulse, no dead zone; limits per axis, symmetric.
+
+use crate::number::{Real, Vec3};
+
+/// What the actuators give of a demand: clipped axis by axis, or `scaled` as a vector until every axis fits.
+///
+/// Clipping turns the direction of a demand far over the limit; scaling keeps it.
+#[inline(always)]
+pub fn saturate<R: Real>(demand: Vec3<R>, limit: Vec3<R>, scaled: bool) -> Vec3<R> {
+    if scaled {
+        let excess = (demand.abs() / limit).max_component().max(R::one());
+        demand * (R::one() / excess)
+    } else {
+        demand.clamp(-limit, limit)
+    }
+}

@@ -1,0 +1,167 @@
+//! The full history of one flight: a row at every control tick, and what happened at capture.
+
+use crate::case::Motion;
+use crate::closed_loop::{Flight, Observer, Scene, Tick};
+use crate::gnc::error::TrackingError;
+use crate::number::{Mask, Mat3, Real};
+
+/// A named series with a fixed number of components, row by row.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// As the user sees it.
+    pub name: &'static str,
+    /// Components in a row.
+    pub width: usize,
+    /// Rows, one after another.
+    pub values: Vec<f64>,
+}
+
+/// What was before and after the merge.
+#[derive(Clone, Copy, Debug)]
+pub struct Merge {
+    /// Both bodies just before.
+    pub before: Motion<f64>,
+    /// The stack just after.
+    pub after: Motion<f64>,
+    /// \[kg\]
+    pub stack_mass: f64,
+    /// C axes \[kg m²\].
+    pub stack_inertia: Mat3<f64>,
+}
+
+/// Keeps lane 0 of everything. Rows end with the last whole number: a flight that leaves the numbers stops there.
+pub struct History {
+    series: Vec<Series>,
+    before: Option<Motion<f64>>,
+    /// The merge, if there was one.
+    pub merge: Option<Merge>,
+    left_the_numbers: bool,
+}
+
+/// Name and width of every series, in the order in which rows are written.
+const SERIES: [(&str, usize); 18] = [
+    ("time", 1),
+    ("position", 3),
+    ("velocity", 3),
+    ("chaser_attitude", 4),
+    ("chaser_rate", 3),
+    ("debris_attitude", 4),
+    ("debris_rate", 3),
+    ("goal_position", 3),
+    ("goal_velocity", 3),
+    ("force_command", 3),
+    ("force", 3),
+    ("torque_command", 3),
+    ("torque", 3),
+    ("distance", 1),
+    ("angle_error", 1),
+    ("rate_error", 1),
+    ("speed_error", 1),
+    ("captured", 1),
+];
+
+impl History {
+    /// With room for a flight of `periods` control periods.
+    pub fn new(periods: u32) -> Self {
+        let rows = periods as usize + 1;
+        let series = SERIES
+            .iter()
+            .map(|&(name, width)| Series { name, width, values: Vec::with_capacity(rows * width) })
+            .collect();
+        Self { series, before: None, merge: None, left_the_numbers: false }
+    }
+
+    /// The series.
+    pub fn into_series(self) -> Vec<Series> {
+        self.series
+    }
+
+    fn write(&mut self, row: &[&[f64]; SERIES.len()]) {
+        for (series, values) in self.series.iter_mut().zip(row) {
+            series.values.extend_from_slice(values);
+        }
+    }
+}
+
+impl<R: Real> Observer<R> for History {
+    fn captured(&mut self, _lanes: R::Mask, before: &Motion<R>, _error: &TrackingError<R>) {
+        self.before = Some(crate::batch::Batch::scatter(before, 0));
+    }
+
+    fn merged(&mut self, lanes: R::Mask, flight: &Flight<R>) {
+        if let (true, Some(before)) = (lanes.lane(0), self.before) {
+            self.merge = Some(Merge {
+                before,
+                after: crate::batch::Batch::scatter(&flight.truth, 0),
+                stack_mass: flight.vehicle.mass.lane(0),
+                stack_inertia: flight.vehicle.inertia.tensor.lane(0),
+            });
+        }
+    }
+
+    #[inline(always)]
+    fn observe(&mut self, scene: &Scene<'_, R>, flight: &Flight<R>, tick: &Tick<R>) {
+        let truth = &flight.truth;
+        let (position, velocity) = (truth.position.lane(0).0, truth.velocity.lane(0).0);
+        let (chaser_attitude, chaser_rate) = (truth.chaser_attitude.lane(0).0, truth.chaser_rate.lane(0).0);
+        let (debris_attitude, debris_rate) = (truth.debris_attitude.lane(0).0, truth.debris_rate.lane(0).0);
+        let state = [&position[..], &velocity, &chaser_attitude, &chaser_rate, &debris_attitude, &debris_rate];
+        if state.iter().flat_map(|part| part.iter()).any(|x| !x.is_finite()) {
+            self.left_the_numbers = true;
+            return;
+        }
+        let error = &tick.error;
+        let counted = if scene.plan.distance_from_debris { truth.position } else { error.position };
+        let half_sine = error.attitude.vector().lane(0).norm();
+        let angle = 2.0 * half_sine.atan2(error.attitude.scalar().lane(0));
+        let captured = flight.capture.captured().lane(0);
+        self.write(&[
+            &[tick.time],
+            &position,
+            &velocity,
+            &chaser_attitude,
+            &chaser_rate,
+            &debris_attitude,
+            &debris_rate,
+            &tick.target.position.lane(0).0,
+            &tick.target.velocity.lane(0).0,
+            &tick.demand.force.lane(0).0,
+            &tick.applied.force.lane(0).0,
+            &tick.demand.torque.lane(0).0,
+            &tick.applied.torque.lane(0).0,
+            &[counted.lane(0).norm()],
+            &[angle],
+            &[error.rate.lane(0).norm()],
+            &[error.velocity.lane(0).norm()],
+            &[f64::from(u8::from(captured))],
+        ]);
+    }
+
+    fn has_seen_enough(&self) -> bool {
+        self.left_the_numbers
+    }
+}
+
+/// Two observers at once.
+impl<R: Real, A: Observer<R>, B: Observer<R>> Observer<R> for (A, B) {
+    fn captured(&mut self, lanes: R::Mask, before: &Motion<R>, error: &TrackingError<R>) {
+        self.0.captured(lanes, before, error);
+        self.1.captured(lanes, before, error);
+    }
+
+    fn merged(&mut self, lanes: R::Mask, flight: &Flight<R>) {
+        self.0.merged(lanes, flight);
+        self.1.merged(lanes, flight);
+    }
+
+    #[inline(always)]
+    fn observe(&mut self, scene: &Scene<'_, R>, flight: &Flight<R>, tick: &Tick<R>) {
+        self.0.observe(scene, flight, tick);
+        self.1.observe(scene, flight, tick);
+    }
+
+    #[inline(always)]
+    fn has_seen_enough(&self) -> bool {
+        self.0.has_seen_enough() || self.1.has_seen_enough()
+    }
+}

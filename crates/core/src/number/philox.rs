@@ -1,0 +1,97 @@
+//! Random streams: Philox4x32-10, counter-based, so that noise depends on nothing but what it is named by.
+//!
+//! Salmon, Moraes, Dror & Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC'11. Four words from a key and a counter:
+//!
+//! | | word 0 | word 1 | word 2 | word 3 |
+//! |---|---|---|---|---|
+//! | key | seed, low | trajectory, low | | |
+//! | counter | step | block | trajectory, high | seed, high |
+//!
+//! The result of a trajectory is therefore the same whatever lane, thread, batch or back end it flies in.
+
+use super::elementary::ln_of_normal;
+use super::real::{Bits, Real};
+
+/// 2^-32, the spacing of the uniform numbers.
+const CELL: f64 = 1.0 / (1u64 << 32) as f64;
+
+/// The stream of random numbers of each lane's trajectory.
+#[derive(Clone, Copy, Debug)]
+pub struct Stream<R: Real> {
+    seed: u64,
+    trajectory: R::Bits,
+}
+
+impl<R: Real> Stream<R> {
+    /// The stream of a campaign's `seed` in which lane `i` flies trajectory number `trajectory(i)`.
+    #[inline(always)]
+    pub fn new(seed: u64, trajectory: impl FnMut(usize) -> u64) -> Self {
+        Self { seed, trajectory: R::Bits::from_fn(trajectory) }
+    }
+
+    /// Four uniform 32-bit words for this step and block, each in the low half of its lane; the high halves are undefined.
+    #[inline(always)]
+    pub fn words(&self, step: u32, block: u32) -> [R::Bits; 4] {
+        let counter = [
+            R::Bits::splat(step as u64),
+            R::Bits::splat(block as u64),
+            self.trajectory.shr::<32>(),
+            R::Bits::splat(self.seed >> 32),
+        ];
+        philox4x32(counter, [R::Bits::splat(self.seed), self.trajectory])
+    }
+
+    /// Four uniform numbers in (0, 1): the midpoints of 2^32 equal cells.
+    #[inline(always)]
+    pub fn uniforms(&self, step: u32, block: u32) -> [R; 4] {
+        let [a, b, c, d] = self.words(step, block);
+        [midpoint(a), midpoint(b), midpoint(c), midpoint(d)]
+    }
+
+    /// Four independent standard normal numbers, |x| < 6.77.
+    #[inline(always)]
+    pub fn normals(&self, step: u32, block: u32) -> [R; 4] {
+        let [a, b, c, d] = self.words(step, block);
+        let [x, y] = box_muller(a, b);
+        let [z, w] = box_muller(c, d);
+        [x, y, z, w]
+    }
+
+    /// The first two of [`Stream::normals`], at half the cost of the transformation.
+    #[inline(always)]
+    pub fn normal_pair(&self, step: u32, block: u32) -> [R; 2] {
+        let [a, b, _, _] = self.words(step, block);
+        box_muller(a, b)
+    }
+}
+
+/// Ten rounds of Philox. Products read only low halves, so what the sums and exclusive-ors leave in the high halves is harmless.
+#[inline(always)]
+fn philox4x32<B: Bits>(mut counter: [B; 4], mut key: [B; 2]) -> [B; 4] {
+    let multiplier = [B::splat(0xd251_1f53), B::splat(0xcd9e_8d57)];
+    let weyl = [B::splat(0x9e37_79b9), B::splat(0xbb67_ae85)];
+    for _ in 0..10 {
+        let even = counter[0].mul_low32(multiplier[0]);
+        let odd = counter[2].mul_low32(multiplier[1]);
+        counter = [odd.shr::<32>() ^ counter[1] ^ key[0], odd, even.shr::<32>() ^ counter[3] ^ key[1], even];
+        key = [key[0] + weyl[0], key[1] + weyl[1]];
+    }
+    counter
+}
+
+/// (word + 1/2) 2^-32, exactly.
+#[inline(always)]
+fn midpoint<R: Real>(word: R::Bits) -> R {
+    R::from_u32(word).mul_add(R::splat(CELL), R::splat(0.5 * CELL))
+}
+
+/// Two normal numbers from two words (Box & Muller 1958): radius √(-2 ln u₁), angle u₂ in turns.
+#[inline(always)]
+fn box_muller<R: Real>(word_1: R::Bits, word_2: R::Bits) -> [R; 2] {
+    let radius = (ln_of_normal(midpoint::<R>(word_1)) * R::splat(-2.0)).sqrt();
+    let (sin, cos) = (R::from_u32(word_2) * R::splat(CELL)).sin_cos_turns();
+    [radius * cos, radius * sin]
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,8 @@
+//! What the spacecraft do by themselves: orbit, attitude, propagation, and two bodies becoming one.
+
+pub mod attitude;
+pub mod lvlh;
+pub mod orbit;
+pub mod propagate;
+pub mod rk4;
+pub mod stack;

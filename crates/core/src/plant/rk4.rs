@@ -1,0 +1,36 @@
+//! The classical Runge–Kutta method of fourth order, fixed step.
+//!
+//!     k1 = f(t, y)                 k2 = f(t + h/2, y + h/2 k1)
+//!     k3 = f(t + h/2, y + h/2 k2)  k4 = f(t + h, y + h k3)
+//!     y(t + h) = y + h (k1 + 2 k2 + 2 k3 + k4) / 6
+//!
+//! Source: Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, §II.1.
+
+use crate::number::Real;
+
+/// A right-hand side y' = f(t, y).
+pub trait Dynamics<R: Real> {
+    /// The state, and equally its rate of change.
+    type State: Copy;
+
+    /// The rate at a fraction (0, ½ or 1) of the step.
+    fn rate(&self, fraction: f64, state: &Self::State) -> Self::State;
+
+    /// state + time · rate.
+    fn advance(state: &Self::State, time: R, rate: &Self::State) -> Self::State;
+}
+
+/// One step of length `h` \[s\].
+#[inline(always)]
+pub fn rk4_step<R: Real, D: Dynamics<R>>(dynamics: &D, state: &D::State, h: R) -> D::State {
+    let half = h * R::splat(0.5);
+    let k1 = dynamics.rate(0.0, state);
+    let k2 = dynamics.rate(0.5, &D::advance(state, half, &k1));
+    let k3 = dynamics.rate(0.5, &D::advance(state, half, &k2));
+    let k4 = dynamics.rate(1.0, &D::advance(state, h, &k3));
+    let (sixth, third) = (h * R::splat(1.0 / 6.0), h * R::splat(1.0 / 3.0));
+    let sum = D::advance(state, sixth, &k1);
+    let sum = D::advance(&sum, third, &k2);
+    let sum = D::advance(&sum, third, &k3);
+    D::advance(&sum, sixth, &k4)
+}

@@ -1,0 +1,231 @@
+//! Python bindings: dictionaries in, numpy arrays and dictionaries out. Thin: no physics here.
+
+use detumble_campaign::{Fleet, FlightRecord, fly_many, fly_one, fly_workload};
+use detumble_core::case::{Case, FlightRecipe, Motion, Plan};
+use detumble_core::closed_loop::{Laws, Numbers};
+use detumble_core::gnc::laws::{LawRecipe, lqr};
+use detumble_core::hardware::sensors::Noisy;
+use detumble_core::history::Merge;
+use detumble_core::metrics::Summary;
+use detumble_core::number::{Backend, Mat3, Quat, Vec3, fma_peak};
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use pythonize::{depythonize, pythonize};
+
+/// The compiled core of detumble.
+#[pymodule]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(fly, module)?)?;
+    module.add_function(wrap_pyfunction!(fly_starts, module)?)?;
+    module.add_function(wrap_pyfunction!(backends, module)?)?;
+    module.add_function(wrap_pyfunction!(fma_flops, module)?)?;
+    module.add_function(wrap_pyfunction!(lqr_translation, module)?)?;
+    module.add_function(wrap_pyfunction!(lqr_rotation, module)?)?;
+    module.add_function(wrap_pyfunction!(echo, module)?)?;
+    Ok(())
+}
+
+/// One flight with its full history.
+#[pyfunction]
+#[pyo3(signature = (case, seed=0, index=0, backend=None))]
+fn fly<'py>(
+    py: Python<'py>,
+    case: &Bound<'py, PyDict>,
+    seed: u64,
+    index: u64,
+    backend: Option<&str>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let recipe = recipe(case)?;
+    let backend = named_backend(backend)?;
+    let FlightRecord { series, merge, summary } = py.detach(|| fly_one(&recipe, seed, index, backend));
+
+    let history = PyDict::new(py);
+    for series in series {
+        let rows = series.values.len() / series.width;
+        let array = PyArray1::from_vec(py, series.values);
+        if series.width == 1 {
+            history.set_item(series.name, array)?;
+        } else {
+            history.set_item(series.name, array.reshape([rows, series.width])?)?;
+        }
+    }
+    let result = PyDict::new(py);
+    result.set_item("backend", backend.name())?;
+    result.set_item("history", history)?;
+    result.set_item("summary", pythonize(py, &summary)?)?;
+    match merge {
+        Some(merge) => result.set_item("merge", merge_dict(py, &merge, summary.capture_time, &recipe.plan)?)?,
+        None => result.set_item("merge", py.None())?,
+    }
+    Ok(result)
+}
+
+fn merge_dict<'py>(py: Python<'py>, merge: &Merge, time: f64, plan: &Plan) -> PyResult<Bound<'py, PyDict>> {
+    let after = PyDict::new(py);
+    after.set_item("position", merge.after.position.0)?;
+    after.set_item("velocity", merge.after.velocity.0)?;
+    after.set_item("attitude", merge.after.chaser_attitude.0)?;
+    after.set_item("rate", merge.after.chaser_rate.0)?;
+    let dict = PyDict::new(py);
+    dict.set_item("tick", (time / plan.control_period).round() as u64)?;
+    dict.set_item("time", time)?;
+    dict.set_item("before", pythonize(py, &merge.before)?)?;
+    dict.set_item("after", after)?;
+    dict.set_item("stack_mass", merge.stack_mass)?;
+    dict.set_item("stack_inertia", merge.stack_inertia.0)?;
+    Ok(dict)
+}
+
+/// Many flights of one case from different starts, a row of 20 numbers each: position, velocity, chaser attitude and
+/// rate, debris attitude and rate. `light` keeps end state, first capture and impulse only.
+#[pyfunction]
+#[pyo3(signature = (case, starts, seed=0, first_index=0, threads=1, backend=None, light=false))]
+#[allow(clippy::too_many_arguments)] // one Python call: keywords there
+fn fly_starts<'py>(
+    py: Python<'py>,
+    case: &Bound<'py, PyDict>,
+    starts: PyReadonlyArray2<'py, f64>,
+    seed: u64,
+    first_index: u64,
+    threads: usize,
+    backend: Option<&str>,
+    light: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let FlightRecipe { case, law, plan } = recipe(case)?;
+    let backend = named_backend(backend)?;
+    if starts.shape()[1] != STATES {
+        return Err(PyValueError::new_err(format!("starts: {} columns; allowed: {STATES}", starts.shape()[1])));
+    }
+    let flights = starts.shape()[0];
+    let starts = starts.as_slice().map_err(|_| PyValueError::new_err("starts: must be C-contiguous"))?;
+    let laws = Laws::new(&law, &case, &plan);
+    let shared = Numbers::new(&case, &plan);
+    let numbers = |i: usize| {
+        let mut own = shared;
+        own.case.start = motion(&starts[STATES * i..STATES * (i + 1)]);
+        own
+    };
+    let noisy = Noisy::new(&case.sensors);
+    let fleet = Fleet { plan: &plan, noisy, laws: &laws, seed, first_index, flights, backend, threads };
+
+    let result = PyDict::new(py);
+    let array = |values: Vec<f64>| PyArray1::from_vec(py, values);
+    if light {
+        let outcomes = py.detach(|| fly_workload(&fleet, &numbers));
+        let ends = outcomes.iter().flat_map(|o| state(&o.end)).collect();
+        result.set_item("final_state", array(ends).reshape([flights, STATES])?)?;
+        result.set_item("capture_time", array(outcomes.iter().map(|o| o.capture_time).collect()))?;
+        result.set_item("impulse", array(outcomes.iter().map(|o| o.impulse).collect()))?;
+    } else {
+        let outcomes = py.detach(|| fly_many(&fleet, &numbers));
+        let ends = outcomes.iter().flat_map(|o| state(&o.end)).collect();
+        result.set_item("final_state", array(ends).reshape([flights, STATES])?)?;
+        let column = |name: &str, pick: fn(&Summary) -> f64| {
+            result.set_item(name, array(outcomes.iter().map(|o| pick(&o.summary)).collect()))
+        };
+        column("capture_time", |s| s.capture_time)?;
+        column("settling_time", |s| s.settling_time)?;
+        column("diverged_time", |s| s.diverged_time)?;
+        column("delta_v", |s| s.delta_v.iter().sum())?;
+        column("delta_v_to_capture", |s| s.delta_v_to_capture.iter().sum())?;
+        column("torque_impulse", |s| s.torque_impulse.iter().sum())?;
+        column("final_rate", |s| s.final_rate)?;
+        column("final_pointing", |s| s.final_pointing)?;
+        column("force_saturated_share", |s| s.force_saturated_share)?;
+        column("torque_saturated_share", |s| s.torque_saturated_share)?;
+    }
+    Ok(result)
+}
+
+/// Back ends that this CPU has, narrowest first.
+#[pyfunction]
+fn backends() -> Vec<&'static str> {
+    Backend::available().map(Backend::name).collect()
+}
+
+/// Runs independent fused multiply-adds on a back end; returns the floating-point operations done, for the caller to time.
+#[pyfunction]
+#[pyo3(name = "fma_peak")]
+fn fma_flops(py: Python<'_>, backend: &str, iterations: u64) -> PyResult<f64> {
+    let backend = named_backend(Some(backend))?;
+    Ok(py.detach(|| fma_peak(backend, iterations)))
+}
+
+/// LQR gain of the HCW model, input acceleration: 3x3 of position error, 3x3 of velocity error.
+#[pyfunction]
+fn lqr_translation(q_error: [f64; 3], q_rate: [f64; 3], r: f64, mean_motion: f64) -> ([[f64; 3]; 3], [[f64; 3]; 3]) {
+    let weights = lqr::Weights { q_error: Vec3(q_error), q_rate: Vec3(q_rate), r };
+    let [error, rate] = lqr::translation_gain(&weights, mean_motion);
+    (error.0, rate.0)
+}
+
+/// LQR gain of the linearised attitude, input torque: 3x3 of attitude error, 3x3 of rate error.
+#[pyfunction]
+#[pyo3(signature = (q_error, q_rate, r, inertia, two_epsilon=false))]
+fn lqr_rotation(
+    q_error: [f64; 3],
+    q_rate: [f64; 3],
+    r: f64,
+    inertia: [[f64; 3]; 3],
+    two_epsilon: bool,
+) -> ([[f64; 3]; 3], [[f64; 3]; 3]) {
+    let weights = lqr::Weights { q_error: Vec3(q_error), q_rate: Vec3(q_rate), r };
+    let [error, rate] = lqr::rotation_gain(&weights, &Mat3(inertia), two_epsilon);
+    (error.0, rate.0)
+}
+
+/// The flight recipe as the core understood it, to hold the scenario model against.
+#[pyfunction]
+fn echo<'py>(py: Python<'py>, case: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyDict>> {
+    let FlightRecipe { case, law, plan } = recipe(case)?;
+    let dict = pythonize(py, &case)?.cast_into::<PyDict>()?;
+    dict.set_item("law", pythonize(py, &law)?)?;
+    dict.set_item("plan", pythonize(py, &plan)?)?;
+    Ok(dict)
+}
+
+/// Case, law and plan from one dictionary; the names are checked by serde, unknown ones are errors.
+fn recipe(dict: &Bound<'_, PyDict>) -> PyResult<FlightRecipe> {
+    let take = |name: &str| {
+        dict.get_item(name)?.ok_or_else(|| PyValueError::new_err(format!("{name}: missing from the flight recipe")))
+    };
+    let numbers = dict.copy()?;
+    numbers.del_item("law")?;
+    numbers.del_item("plan")?;
+    let case: Case<f64> = depythonize(&numbers)?;
+    let law: LawRecipe = depythonize(&take("law")?)?;
+    let plan: Plan = depythonize(&take("plan")?)?;
+    Ok(FlightRecipe { case, law, plan })
+}
+
+fn named_backend(name: Option<&str>) -> PyResult<Backend> {
+    let Some(name) = name else { return Ok(Backend::best()) };
+    Backend::available().find(|backend| backend.name() == name).ok_or_else(|| {
+        let allowed: Vec<_> = Backend::available().map(Backend::name).collect();
+        PyValueError::new_err(format!("backend \"{name}\": not on this machine; allowed: {}", allowed.join(", ")))
+    })
+}
+
+const STATES: usize = 20;
+
+fn motion(row: &[f64]) -> Motion<f64> {
+    let vector = |i: usize| Vec3([row[i], row[i + 1], row[i + 2]]);
+    let quaternion = |i: usize| Quat([row[i], row[i + 1], row[i + 2], row[i + 3]]);
+    Motion {
+        position: vector(0),
+        velocity: vector(3),
+        chaser_attitude: quaternion(6),
+        chaser_rate: vector(10),
+        debris_attitude: quaternion(13),
+        debris_rate: vector(17),
+    }
+}
+
+fn state(motion: &Motion<f64>) -> impl Iterator<Item = f64> {
+    let translation = motion.position.0.into_iter().chain(motion.velocity.0);
+    let chaser = motion.chaser_attitude.0.into_iter().chain(motion.chaser_rate.0);
+    let debris = motion.debris_attitude.0.into_iter().chain(motion.debris_rate.0);
+    translation.chain(chaser).chain(debris)
+}

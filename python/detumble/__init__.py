@@ -1,0 +1,60 @@
+"""detumble: which control law captures this tumbling target with this chaser, how fast, at what delta-v, and how sure.
+
+    >>> import detumble
+    >>> scenario = detumble.load("paper")
+    >>> flight = detumble.simulate(scenario, law="prrl", seed=1)
+    >>> flight.metrics.capture_time  # s
+
+Everything is loaded when it is first used: `import detumble` costs next to nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from detumble.errors import RequestError, ScenarioError
+    from detumble.flight import Flight, read_netcdf, simulate
+    from detumble.scenario import LAWS, Scenario, load
+    from detumble.scenario import built_in as scenarios
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "LAWS": ("detumble.scenario.laws", "LAWS"),
+    "Flight": ("detumble.flight", "Flight"),
+    "RequestError": ("detumble.errors", "RequestError"),
+    "Scenario": ("detumble.scenario.model", "Scenario"),
+    "ScenarioError": ("detumble.errors", "ScenarioError"),
+    "load": ("detumble.scenario.files", "load"),
+    "read_netcdf": ("detumble.flight", "read_netcdf"),
+    "scenarios": ("detumble.scenario.files", "built_in"),
+    "simulate": ("detumble.flight", "simulate"),
+}
+
+__all__ = [
+    "LAWS",
+    "Flight",
+    "RequestError",
+    "Scenario",
+    "ScenarioError",
+    "__version__",
+    "load",
+    "read_netcdf",
+    "scenarios",
+    "simulate",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'detumble' has no attribute {name!r}")
+    module, attribute = _HOMES[name]
+    value = getattr(import_module(module), attribute)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

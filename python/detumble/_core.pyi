@@ -1,0 +1,39 @@
+"""The compiled core: plain numbers in, plain numbers out."""
+
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array: TypeAlias = NDArray[np.float64]
+
+def fly(case: dict[str, Any], seed: int, index: int, backend: str | None) -> dict[str, Any]:
+    """Fly one case; gives `backend`, `history`, `summary` and `merge`."""
+
+def fly_starts(
+    case: dict[str, Any],
+    starts: Array,
+    seed: int,
+    first_index: int,
+    threads: int,
+    backend: str | None,
+    light: bool,
+) -> dict[str, Array]:
+    """Fly one case from many starts (n, 20); gives `final_state` (n, 20) and the summary, one row a start."""
+
+def backends() -> list[str]:
+    """Name the back ends that this machine can run, the narrowest first."""
+
+def fma_peak(backend: str, iterations: int) -> float:
+    """Run a loop of nothing but fused multiply-adds; gives the number of flops done."""
+
+def lqr_translation(q_error: list[float], q_rate: list[float], r: float, mean_motion: float) -> tuple[Any, Any]:
+    """Gain of the HCW model, input acceleration: 3x3 of the position error, 3x3 of the velocity error."""
+
+def lqr_rotation(
+    q_error: list[float], q_rate: list[float], r: float, inertia: list[list[float]], two_epsilon: bool = False
+) -> tuple[Any, Any]:
+    """Gain of the linearised attitude, input torque: 3x3 of the attitude error, 3x3 of the rate error."""
+
+def echo(case: dict[str, Any]) -> dict[str, Any]:
+    """Give the case back as the core understood it."""

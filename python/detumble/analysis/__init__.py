@@ -1,0 +1,1 @@
+"""What a scenario allows: bounds that no controller can beat."""

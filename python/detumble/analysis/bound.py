@@ -1,0 +1,268 @@
+"""The earliest control tick at which any controller under the limits could capture.
+
+A tick is excluded when a certificate proves that some threshold cannot hold there: a separating direction for
+position (and speed, if asked for), in `translation`, or a relaxation of the rotation, in `turn`. Ticks are certified
+one after another from t = 0: what is reachable at one time need not be reachable later, so nothing is skipped or
+bisected. With a dwell, every tick of it must be open.
+
+The answer is a lower bound for any law, with or without noise, on the plant of SPEC: HCW, rigid bodies, torque-free
+debris, ideal actuators limited per axis (a vector scaled into the box is in the box). Certificates must hold with a
+margin (1e-9 of the lengths, 1e-7 rad and rad/s), so that round-off cannot make the bound too high.
+
+With grasp points the goal R_HD p_D - R_HC p_C depends on the chaser's attitude, which at capture is within the angle
+threshold θ of the debris': R_HC p_C lies within 2 sin(θ/2) |p_C| of R_HD p_C, and the thresholds widen by that.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from detumble.analysis.translation import Approach, Reach
+from detumble.analysis.tumble import Array, conjugate, multiply, rotate, tumble
+from detumble.analysis.turn import Agility, excluded
+
+if TYPE_CHECKING:
+    from detumble.scenario.model import Scenario
+
+FIRST_HORIZON = 256  # ticks looked at before more are
+
+
+@dataclass(frozen=True)
+class Pursuit:
+    """What does not differ from start to start: limits, bodies, goal and thresholds, SI.
+
+    Attributes:
+        mean_motion: rad/s.
+        lvlh_attitude: (4,) H → N at t = 0.
+        acceleration: (3,) force limit over the chaser's mass, H axes, m/s²; may be inf.
+        torque: (3,) limit, chaser axes, N m; may be inf.
+        chaser_inertia, debris_inertia: (3, 3) kg m².
+        goal: (3,) r_des in H, m; unused with grasp points.
+        grasp_points: chaser's and debris', each (3,) m in its own axes, or None.
+        from_debris: distance is |r| instead of |r - r_des|.
+        distance, angle, rate, speed: thresholds, m, rad, rad/s, m/s; speed may be inf.
+        period: s.
+        periods: control periods in the flight.
+        dwell_ticks: periods for which the thresholds must have held.
+    """
+
+    mean_motion: float
+    lvlh_attitude: Array
+    acceleration: Array
+    torque: Array
+    chaser_inertia: Array
+    debris_inertia: Array
+    goal: Array
+    grasp_points: tuple[Array, Array] | None
+    from_debris: bool
+    distance: float
+    angle: float
+    rate: float
+    speed: float
+    period: float
+    periods: int
+    dwell_ticks: int
+
+    @classmethod
+    def of(cls, case: Mapping[str, Any]) -> Pursuit:
+        """From the plain case that the core flies (`detumble.scenario.core.case`)."""
+        plan, capture, chaser, debris = case["plan"], case["capture"], case["chaser"], case["debris"]
+        grasp = (np.array(chaser["grasp_point"], float), np.array(debris["grasp_point"], float))
+        return cls(
+            mean_motion=float(case["orbit"]["mean_motion"]),
+            lvlh_attitude=np.array(case["orbit"]["lvlh_attitude"], float),
+            acceleration=np.array(case["actuators"]["force"], float) / float(chaser["mass"]),
+            torque=np.array(case["actuators"]["torque"], float),
+            chaser_inertia=np.array(chaser["inertia"], float),
+            debris_inertia=np.array(debris["inertia"], float),
+            goal=np.array(case["goal"]["position"], float),
+            grasp_points=grasp if plan["grasp"] else None,
+            from_debris=bool(plan["distance_from_debris"]),
+            distance=float(capture["distance"]),
+            angle=float(capture["angle"]),
+            rate=float(capture["rate"]),
+            speed=float(capture["speed"]),
+            period=float(plan["control_period"]),
+            periods=int(plan["periods"]),
+            dwell_ticks=int(plan["dwell_ticks"]),
+        )
+
+    @cached_property
+    def reach(self) -> Reach:
+        """Tables of the translation, shared by all starts."""
+        return Reach(self.mean_motion, self.acceleration, self.period)
+
+    @cached_property
+    def agility(self) -> Agility:
+        """What the torque limits do to the chaser's rate."""
+        return Agility.of(self.chaser_inertia, self.torque)
+
+
+@dataclass(frozen=True)
+class MinimumTimes:
+    """Lower bounds from one start, s, inf where the flight is too short.
+
+    Attributes:
+        capture: all thresholds at once.
+        translation: distance and speed alone.
+        attitude: angle and relative rate alone.
+    """
+
+    capture: float
+    translation: float
+    attitude: float
+
+
+def minimum_capture_time(scenario: Scenario) -> float:
+    """The earliest time, s, at which any controller could capture in this scenario; inf if not within its duration."""
+    from detumble.scenario.core import case
+
+    plain = case(scenario, "none")
+    return minimum_times(Pursuit.of(plain), start_of(plain)).capture
+
+
+def start_of(case: Mapping[str, Any]) -> Array:
+    """The start of a plain case as one row (20,): r, v (H), chaser q, w, debris q, w."""
+    names = ("position", "velocity", "chaser_attitude", "chaser_rate", "debris_attitude", "debris_rate")
+    return np.concatenate([np.array(case["start"][name], float) for name in names])
+
+
+def minimum_capture_times(pursuit: Pursuit, starts: Array) -> Array:
+    """Lower bounds (n,) of the capture time, s, from each row of starts (n, 20), laid out as in `start_of`."""
+    chases = (_Chase(pursuit, start) for start in starts)
+    return np.array([chase.earliest(chase.next_open) for chase in chases])
+
+
+def minimum_times(pursuit: Pursuit, start: Array) -> MinimumTimes:
+    """Lower bounds from one start (20,): of capture, and of each half by itself."""
+    chase = _Chase(pursuit, start)
+    return MinimumTimes(
+        capture=chase.earliest(chase.next_open),
+        translation=chase.earliest(chase.next_in_position),
+        attitude=chase.earliest(chase.next_in_attitude),
+    )
+
+
+class _Chase:
+    """One start: finds the ticks that no certificate excludes, looking no farther ahead than it must."""
+
+    def __init__(self, pursuit: Pursuit, start: Array) -> None:
+        self.pursuit = pursuit
+        self.state, self.attitude, self.rate, self.debris = np.split(start, [6, 10, 13])
+        self.attitude = self.attitude / np.linalg.norm(self.attitude)
+        self.attitudes, self.rates = np.empty((0, 4)), np.empty((0, 3))
+        self.approach: Approach | None = None
+        self.closed = np.empty(0, dtype=np.bool_)
+
+    def earliest(self, following: Callable[[int], int]) -> float:
+        """The end, s, of the first run of open ticks that is long enough for the dwell.
+
+        Args:
+            following: first open tick from a given one on; beyond the last tick if there is none.
+        """
+        tick, last, run = 0, -2, 0
+        while (tick := following(tick)) <= self.pursuit.periods:
+            run = run + 1 if tick == last + 1 else 1
+            if run > self.pursuit.dwell_ticks:
+                return tick * self.pursuit.period
+            last, tick = tick, tick + 1
+        return math.inf
+
+    def next_open(self, tick: int) -> int:
+        """The first tick from this one on that neither half excludes."""
+        while tick <= self.pursuit.periods:
+            placed = self.next_in_position(tick)
+            tick = self.next_in_attitude(placed)
+            if tick == placed:
+                break
+        return tick
+
+    def next_in_position(self, tick: int) -> int:
+        """The first tick from this one on at which distance and speed are not excluded."""
+        while tick <= self.pursuit.periods:
+            if self.approach is None or tick >= len(self.approach.miss):
+                self.approach = self._approach(self._horizon(tick))
+            tick = self.approach.first_open(tick)
+            if tick < len(self.approach.miss):
+                break
+        return tick
+
+    def next_in_attitude(self, tick: int) -> int:
+        """The first tick from this one on at which angle and relative rate are not excluded."""
+        while tick <= self.pursuit.periods:
+            if tick >= len(self.closed):
+                self._close(self._horizon(tick))
+            still_open = np.flatnonzero(~self.closed[tick:])
+            if len(still_open):
+                return tick + int(still_open[0])
+            tick = len(self.closed)
+        return tick
+
+    def _horizon(self, tick: int) -> int:
+        return min(self.pursuit.periods, max(FIRST_HORIZON, 2 * tick))
+
+    def _tumble(self, ticks: int) -> tuple[Array, Array]:
+        """The debris' attitudes (ticks + 1, 4) and rates (ticks + 1, 3)."""
+        if ticks >= len(self.rates):
+            attitude = self.debris[:4] / np.linalg.norm(self.debris[:4])
+            self.attitudes, self.rates = tumble(
+                self.pursuit.debris_inertia, attitude, self.debris[4:], self.pursuit.period, ticks
+            )
+        return self.attitudes[: ticks + 1], self.rates[: ticks + 1]
+
+    def _close(self, ticks: int) -> None:
+        """Judge the attitude of all ticks up to this one."""
+        pursuit, first = self.pursuit, len(self.closed)
+        attitudes, rates = self._tumble(ticks)
+        shut = excluded(
+            pursuit.agility, self.attitude, self.rate, attitudes, rates,
+            first=first, period=pursuit.period, angle=pursuit.angle, rate_error=pursuit.rate,
+        )  # fmt: skip
+        self.closed = np.concatenate((self.closed, shut))
+
+    def _approach(self, ticks: int) -> Approach:
+        """The translation up to this tick: free drift against the goal, fixed or moving with the tumble."""
+        pursuit, count = self.pursuit, ticks + 1
+        pursuit.reach.extend(ticks)
+        miss = pursuit.reach.drift[:count] @ self.state
+        radius, speed = np.full(count, pursuit.distance), np.full(count, pursuit.speed)
+        if pursuit.grasp_points is None:
+            miss[:, :3] -= 0.0 if pursuit.from_debris else pursuit.goal
+        else:
+            place, velocity, spread, hurry = self._grasp(ticks)
+            miss[:, 3:] -= velocity
+            speed += hurry
+            if not pursuit.from_debris:
+                miss[:, :3] -= place
+                radius += spread
+        approach = Approach(pursuit.reach, miss, radius, speed)
+        if self.approach:
+            approach.last, approach.useful = self.approach.last, self.approach.useful
+        return approach
+
+    def _grasp(self, ticks: int) -> tuple[Array, Array, float, Array]:
+        """The moving goal with its uncertainty: place and velocity (n, 3) in H, and how far off each may be.
+
+        With R_HC = R_HD δR at capture, |δR p - p| ≤ spread = 2 sin(θ/2) |p_C| (when that is more than |p_C|, p_C is left out),
+        v_des = Ω_D × R_HD p_D - Ω_C × R_HC p_C, Ω = w - w_H in H, |Ω_C - Ω_D| < rate threshold.
+        """
+        assert self.pursuit.grasp_points is not None
+        p_chaser, p_debris = self.pursuit.grasp_points
+        length = float(np.linalg.norm(p_chaser))
+        opening = 2.0 * math.sin(min(self.pursuit.angle, math.pi) / 2.0)
+        arm, spread = (p_debris - p_chaser, opening * length) if opening < 1.0 else (p_debris, length)
+        attitudes, rates = self._tumble(ticks)
+        n = self.pursuit.mean_motion
+        half = 0.5 * n * self.pursuit.period * np.arange(ticks + 1)[:, None]
+        turned = np.concatenate((np.cos(half), np.sin(half) * np.array([0.0, 0.0, 1.0])), axis=-1)
+        in_lvlh = multiply(conjugate(multiply(self.pursuit.lvlh_attitude, turned)), attitudes)  # q_HD
+        spin = rotate(in_lvlh, rates) - np.array([0.0, 0.0, n])
+        place = rotate(in_lvlh, arm)
+        hurry = np.linalg.norm(spin, axis=1) * spread + self.pursuit.rate * length
+        return place, np.cross(spin, place), spread, hurry

@@ -1,0 +1,228 @@
+"""Where a chaser under per-axis force limits cannot be: Hill-Clohessy-Wiltshire reach and its certificates.
+
+State X = (r, v) in H, control u(t) with |u_j| ≤ a_j (acceleration, m/s²). At time T
+
+    X(T) = Φ(T) X(0) + ∫₀ᵀ K(s) u(T - s) ds,     K = [Φ_rv; Φ_vv]   (6 x 3).
+
+For any direction d = (d_r, d_v), capture needs X(T) - goal in a ball of radius R in position times one of radius S in
+velocity, so T is impossible when, with ρ the support function of the reach,
+
+    d · (Φ(T) X(0) - goal(T)) - ρ(T, d) - R |d_r| - S |d_v| > 0,     ρ(T, d) = Σ_j a_j ∫₀ᵀ |d · K_j(s)| ds.
+
+Any d proves it, good or bad; how d is found needs no rigour. ρ is bounded from above: on a cell of width h the function
+f = d · K_j differs from its chord by at most M h²/8, M ≥ |f''|, so ∫|f| ≤ ∫|chord| + M h³/12. The excess is
+of order n h²/T relative to ρ: 1e-8 for h = 0.1 s.
+
+HCW: Clohessy & Wiltshire 1960, in the closed form of e.g. Vallado, Fundamentals of Astrodynamics, §6.8.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import nnls  # type: ignore[import-untyped]
+
+from detumble.analysis.tumble import Array
+
+ROUND_OFF = 1e-9  # relative margin that a certificate must show
+ROUNDS = 60  # directions tried at one tick at most
+GOOD_ENOUGH = 0.7  # share of the greatest separation at which a direction is taken: it must serve the next ticks too
+
+
+def _entire(x: Array) -> tuple[Array, Array, Array]:
+    """sin x / x, (1 - cos x) / x², (x - sin x) / x³, without cancellation and defined at 0."""
+    safe = np.where(np.abs(x) < 0.5, 1.0, x)
+    square = x * x
+    series = np.polynomial.polynomial.polyval(
+        np.minimum(square, 0.25), [1 / 6, -1 / 120, 1 / 5040, -1 / 362880, 1 / 39916800, -1 / 6227020800]
+    )
+    cubic = np.where(np.abs(x) < 0.5, series, (safe - np.sin(safe)) / safe**3)
+    return np.sinc(x / np.pi), 0.5 * np.sinc(0.5 * x / np.pi) ** 2, cubic
+
+
+class Reach:
+    """What per-axis accelerations can do to the HCW motion, tabulated at the control ticks.
+
+    Args:
+        mean_motion: n, rad/s (0 gives the double integrator).
+        acceleration: (3,) limits in H, m/s²; may be 0 or inf.
+        period: control period, s.
+    """
+
+    def __init__(self, mean_motion: float, acceleration: Array, period: float) -> None:
+        self.mean_motion, self.period = mean_motion, period
+        free = np.isinf(acceleration)
+        if free[0] or free[1]:  # x and y drive each other: one without limit frees both
+            free[:2] = True
+        self.bounded = ~free
+        self.acceleration = np.where(free, 0.0, acceleration)
+        self._tabulate(64)
+
+    def _tabulate(self, ticks: int) -> None:
+        n = self.mean_motion
+        t = self.period * np.arange(ticks + 1, dtype=np.float64)
+        x = n * t
+        s1, c2, s3 = _entire(x)
+        one, zero = np.ones_like(t), np.zeros_like(t)
+        sine, cosine, versine = n * t * s1, np.cos(x), x * x * c2  # n · (sin x)/n, cos x, 1 - cos x
+        rr = [[4 - 3 * cosine, zero, zero], [-6 * x**3 * s3, one, zero], [zero, zero, cosine]]
+        rv = [[t * s1, 2 * t * x * c2, zero], [-2 * t * x * c2, t * (4 * s1 - 3), zero], [zero, zero, t * s1]]
+        vr = [[3 * n * sine, zero, zero], [-6 * n * versine, zero, zero], [zero, zero, -n * sine]]
+        vv = [[cosine, 2 * sine, zero], [-2 * sine, 4 * cosine - 3, zero], [zero, zero, cosine]]
+        # ∫ Φ_rv; and ∫ Φ_vv = Φ_rv
+        once, coupled = t * t * c2, 2 * t * t * x * s3
+        area = [[once, coupled, zero], [-coupled, 4 * once - 1.5 * t * t, zero], [zero, zero, once]]
+
+        def stack(upper: list[list[Array]], lower: list[list[Array]]) -> Array:
+            return np.moveaxis(np.array(upper + lower), -1, 0)
+
+        self.ticks = ticks
+        self.drift = np.concatenate((stack(rr, vr), stack(rv, vv)), axis=-1)  # (ticks + 1, 6, 6)
+        # (ticks + 1, control axis, state): contiguous from tick 0 to any tick
+        self.kernel = np.ascontiguousarray(np.moveaxis(stack(rv, vv), -1, 1))
+        self.push = np.diff(np.moveaxis(stack(area, rv), -1, 1), axis=0)  # (ticks, 3, 6): ∫ K over each cell
+
+    def extend(self, ticks: int) -> None:
+        """Make the tables cover t = 0 … ticks · period."""
+        if ticks > self.ticks:
+            self._tabulate(max(ticks, 2 * self.ticks))
+
+    def support(self, direction: Array, first: int, last: int) -> Array:
+        """Upper bounds of ρ(t_k, d) for k = first … last, for d (6,); rigorous but for round-off."""
+        f = np.abs(values := self._values(direction, last))
+        left, right = f[:-1], f[1:]
+        total = left + right
+        # ∫|chord| / h is the mean of both ends, or, when the sign changes, (f₀² + f₁²) / (2 (|f₀| + |f₁|))
+        crossing = values[:-1] * values[1:] < 0.0
+        area = np.divide(left * left + right * right, total, out=total.copy(), where=crossing)
+        h = self.period
+        excess = h**3 / 12.0 * float(self._curvature(direction) @ self.acceleration)
+        cells = 0.5 * h * (area @ self.acceleration) + excess
+        reached = np.concatenate(([0.0], np.cumsum(cells)))
+        bounds: Array = reached[first:]
+        return bounds
+
+    def farthest(self, direction: Array, tick: int) -> Array:
+        """A point (6,) that zero-order-hold controls reach at t_k, nearly the farthest along d."""
+        f = self._values(direction, tick)
+        size = np.abs(f)
+        total = size[:-1] + size[1:]
+        mean_sign = np.divide(f[:-1] + f[1:], total, out=np.zeros_like(total), where=total > 0.0)
+        point: Array = (mean_sign * self.acceleration).ravel() @ self.push[:tick].reshape(-1, 6)
+        return point
+
+    def _values(self, direction: Array, tick: int) -> Array:
+        """d · K_j(t_k), k = 0 … tick: (tick + 1, 3)."""
+        values: Array = (self.kernel[: tick + 1].reshape(-1, 6) @ direction).reshape(-1, 3)
+        return values
+
+    def _curvature(self, direction: Array) -> Array:
+        """Upper bounds (3,) of |d²/ds² d · K_j(s)| over all s, per axis."""
+        n, (x, y, z, vx, vy, vz) = self.mean_motion, np.abs(direction)
+        along_x = n * (x + 2 * y) + n * n * (vx + 2 * vy)
+        along_y = n * (2 * x + 4 * y) + n * n * (2 * vx + 4 * vy)
+        return np.array([along_x, along_y, n * z + n * n * vz])
+
+
+class Approach:
+    """One start against one goal: which control ticks no translation control can meet.
+
+    Args:
+        reach: the limits.
+        miss: (ticks + 1, 6) Φ(t_k) X(0) - goal(t_k), m and m/s.
+        radius: (ticks + 1,) R, m.
+        speed: (ticks + 1,) S, m/s, inf where no speed is asked for.
+    """
+
+    def __init__(self, reach: Reach, miss: Array, radius: Array, speed: Array) -> None:
+        self.reach = reach
+        self.mask = np.tile(reach.bounded, 2).astype(np.float64)
+        self.timed = bool(np.isfinite(speed).all())  # the velocity counts too
+        if not self.timed:
+            self.mask[3:] = 0.0
+        self.miss, self.radius, self.speed = miss, radius, speed if self.timed else np.zeros_like(speed)
+        self.last: Array | None = None
+        self.useful: list[Array] = []  # directions that made up the last separating one
+        distance = np.linalg.norm(miss[:, :3], axis=1)
+        velocity = np.linalg.norm(miss[:, 3:], axis=1)
+        self.slack_position = ROUND_OFF * (1.0 + distance + radius)
+        self.slack_velocity = ROUND_OFF * (1.0 + velocity + self.speed)
+        near = distance[0] <= radius[0] + self.slack_position[0]
+        slow = not self.timed or velocity[0] <= speed[0] + self.slack_velocity[0]
+        self.starts_inside = bool(near and slow)
+
+    def first_open(self, tick: int) -> int:
+        """The first tick from `tick` on that is not proved impossible; len(miss) if there is none."""
+        end = len(self.miss)
+        if tick == 0:
+            if self.starts_inside:
+                return 0
+            tick = 1
+        while tick < end:
+            ahead = min(end, 2 * tick + 64)
+            reached = self._proved_until(self._guess(tick), tick, ahead)
+            if reached == tick and self.last is not None:
+                reached = self._proved_until(self.last, tick, ahead)
+            if reached == tick:
+                direction = self._separate(tick)
+                if direction is None:
+                    return tick
+                self.last = direction
+                reached = self._proved_until(direction, tick, ahead)
+                if reached == tick:
+                    return tick
+            tick = reached
+        return end
+
+    def _guess(self, tick: int) -> Array:
+        """The double integrator's answer: the part of the miss that ½ a T² leaves, axis by axis."""
+        time = tick * self.reach.period
+        miss = self.miss[tick, :3] * self.mask[:3]
+        left = np.sign(miss) * np.maximum(np.abs(miss) - 0.5 * self.reach.acceleration * time * time, 0.0)
+        return np.concatenate((left if left.any() else miss, np.zeros(3)))
+
+    def _proved_until(self, direction: Array, tick: int, end: int) -> int:
+        """The first tick in [tick, end) for which d is no proof, or end."""
+        if not direction.any():
+            return tick
+        span = slice(tick, end)
+        margin = self.miss[span] @ direction - self.reach.support(direction, tick, end - 1)
+        margin -= float(np.linalg.norm(direction[:3])) * (self.radius[span] + self.slack_position[span])
+        margin -= float(np.linalg.norm(direction[3:])) * (self.speed[span] + self.slack_velocity[span])
+        failed = margin <= 0.0
+        return tick + int(np.argmax(failed)) if failed.any() else end
+
+    def _separate(self, tick: int) -> Array | None:
+        """A direction that should separate reach and goal at t_k, or None when they meet.
+
+        Fully corrective Frank-Wolfe for the point of least norm of {miss - reach - balls}: each round adds the
+        farthest point against the present direction, and finds the least-norm mixture of all points so far.
+        Velocities are scaled by T/2, so that both halves weigh in metres.
+        """
+        scale = self.mask * np.repeat([1.0, 0.5 * tick * self.reach.period], 3)
+        directions = [d for d in (*self.useful, self._guess(tick) * self.mask) if d.any()]
+        if not directions:
+            return None
+        points = [(self.miss[tick] - self._farthest(d, tick)) * scale for d in directions]
+        for _ in range(ROUNDS):
+            columns = np.array(points).T
+            size = max(float(np.abs(columns).max()), 1e-12)
+            # min |P w|² over mixtures w is non-negative least squares of [P; 1] w ≈ (0, 1), up to a factor
+            weights, _ = nnls(np.vstack((columns / size, np.ones(len(points)))), np.array([0.0] * 6 + [1.0]))
+            nearest = columns @ (weights / weights.sum())
+            self.useful = [d for d, weight in zip(directions, weights, strict=True) if weight > 0.0]
+            if float(np.linalg.norm(nearest)) < 1e-10 * size:
+                return None
+            directions.append(nearest * scale)
+            points.append((self.miss[tick] - self._farthest(directions[-1], tick)) * scale)
+            # no point lies nearer than (nearest · point)/|nearest|: stop once d is close to the best
+            if float(nearest @ points[-1]) >= GOOD_ENOUGH * float(nearest @ nearest):
+                break
+        return directions[-1]
+
+    def _farthest(self, direction: Array, tick: int) -> Array:
+        point = self.reach.farthest(direction, tick)
+        for part, radius in ((slice(0, 3), self.radius[tick]), (slice(3, 6), self.speed[tick])):
+            length = float(np.linalg.norm(direction[part]))
+            if length > 0.0:
+                point[part] += radius * direction[part] / length
+        return point

@@ -1,0 +1,90 @@
+"""`detumble run`: one flight, its metrics, and on request its files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from detumble.commands.printing import cell, json_text, print_json, remark, table
+
+if TYPE_CHECKING:
+    from detumble.flight import Flight
+
+
+def run(
+    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")],
+    more: Annotated[list[str] | None, typer.Argument(hidden=True)] = None,
+    law: Annotated[str, typer.Option(help="pd, lqr, sosmc, tsmc, prrl, or none for open loop.")] = "prrl",
+    seed: Annotated[int, typer.Option(help="Seed of the sensor noise.")] = 0,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write flight, scenario and metrics here.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    backend: Annotated[str | None, typer.Option(help="portable, avx2 or avx512; else the core chooses.")] = None,
+) -> None:
+    """Fly one scenario once and say what came of it."""
+    from detumble.flight import simulate
+    from detumble.scenario.files import load, with_settings
+    from detumble.writing import output_folder
+
+    chosen = load(scenario)
+    if settings or more:
+        chosen = with_settings(chosen, [*(settings or ()), *(more or ())], scenario)
+    folder = output_folder(out) if out else None
+    flight = simulate(chosen, law, seed, backend=backend)
+    files = _write(flight, folder) if folder else []
+    if as_json:
+        print_json(_json(flight, files))
+    else:
+        print(_text(flight))
+    for warning in flight.warnings:
+        remark(f"warning: {warning}")
+    for file in files:
+        remark(f"written: {file}")
+    if flight.diverged:
+        event = flight.event("diverged")
+        remark(f"diverged at {flight.metrics.diverged_time:.10g} s: {event.details['cause'] if event else ''}")
+        raise typer.Exit(1)
+
+
+def _json(flight: Flight, files: list[Path]) -> dict[str, object]:
+    return {
+        "scenario": flight.scenario.title,
+        "law": flight.law,
+        "seed": flight.seed,
+        "backend": flight.backend,
+        **flight.metrics.to_json(),
+        "events": [{"name": event.name, "time_s": event.time} for event in flight.events],
+        "warnings": list(flight.warnings),
+        "files": [str(file) for file in files],
+    }
+
+
+def _text(flight: Flight) -> str:
+    from detumble.metrics import METRICS
+    from detumble.scenario.laws import TITLES
+
+    rows = []
+    for metric in METRICS:
+        value = getattr(flight.metrics, metric.name)
+        if metric.name == "diverged_time" and value is None:
+            continue
+        shown = "  ".join(cell(element, 4) for element in value) if isinstance(value, tuple) else cell(value, 4)
+        rows.append((metric.label, shown, metric.unit))
+    width = max(len(row[1]) for row in rows)
+    lines = table([(label, shown.rjust(width)) for label, shown, _ in rows], header=False).splitlines()
+    body = [f"{line}  {unit}".rstrip() for line, (_, _, unit) in zip(lines, rows, strict=True)]
+    return "\n".join([flight.scenario.title, f"{TITLES[flight.law]}, seed {flight.seed}", "", *body])
+
+
+def _write(flight: Flight, folder: Path) -> list[Path]:
+    from detumble.writing import write_text
+
+    files = [folder / "flight.nc", folder / "scenario.toml", folder / "metrics.json"]
+    flight.to_netcdf(files[0])
+    write_text(files[1], flight.scenario.to_toml())
+    write_text(files[2], json_text(_json(flight, [])) + "\n")
+    return files

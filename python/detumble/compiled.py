@@ -1,0 +1,38 @@
+"""The way to the compiled core: says what to do where it is missing, and which back ends there are."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from detumble.errors import RequestError
+from detumble.scenario.wording import did_you_mean
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+
+def core() -> ModuleType:
+    """Give the compiled module.
+
+    Raises:
+        RequestError: it has not been built.
+    """
+    try:
+        from detumble import _core
+    except ImportError as error:
+        raise RequestError(f"the compiled core cannot be loaded ({error}); `make setup` builds it") from None
+    return _core
+
+
+def checked_backend(name: str | None) -> str | None:
+    """Make sure that this machine has a back end; None leaves the choice to the core.
+
+    Raises:
+        RequestError: there is no such back end here.
+    """
+    known: list[str] = core().backends()
+    if name is not None and name not in known:
+        raise RequestError(
+            f"no back end {name!r} on this machine{did_you_mean(name, known)}; there are {', '.join(known)}"
+        )
+    return name

@@ -1,0 +1,198 @@
+"""One simulated flight: what happened, tick by tick, what it amounts to, and how to fly it again."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+from detumble.compiled import checked_backend, core
+from detumble.errors import RequestError, ScenarioError
+from detumble.metrics import Metrics
+from detumble.scenario.core import case
+from detumble.scenario.files import load
+from detumble.scenario.model import Scenario
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import numpy as np
+    import xarray as xr
+    from numpy.typing import NDArray
+
+MOST_SEED = 2**64 - 1
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened once.
+
+    Attributes:
+        name: what.
+        time: when, s.
+        details: what belongs to it: for `captured` the states before and after the merge, for `diverged` the cause.
+    """
+
+    name: Literal["captured", "settled", "diverged"]
+    time: float
+    details: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Flight:
+    """One flight.
+
+    Attributes:
+        scenario: what was flown; a copy that later edits do not reach.
+        law: name of the law, `none` for open loop.
+        seed: of the sensor noise.
+        index: number of the trajectory under that seed.
+        backend: which build of the core flew it.
+        history: time series by name, one row a tick: (N+1,), (N+1, 3) or (N+1, 4), SI. A flight that diverged ends at the
+            last finite row.
+        metrics: what it amounts to.
+        events: in order of time.
+        warnings: what a reader of the numbers ought to know.
+    """
+
+    scenario: Scenario
+    law: str
+    seed: int
+    index: int
+    backend: str
+    history: Mapping[str, NDArray[np.float64]] = field(repr=False)
+    metrics: Metrics
+    events: tuple[Event, ...]
+    warnings: tuple[str, ...]
+
+    @cached_property
+    def data(self) -> xr.Dataset:
+        """The time series as an xarray Dataset over `time`, with units and long names."""
+        from detumble.netcdf import dataset
+
+        return dataset(self)
+
+    @property
+    def diverged(self) -> bool:
+        """Tell whether the state left the numbers."""
+        return self.metrics.diverged_time is not None
+
+    def event(self, name: str) -> Event | None:
+        """Find an event by its name."""
+        return next((event for event in self.events if event.name == name), None)
+
+    def to_netcdf(self, path: str | os.PathLike[str]) -> None:
+        """Write the flight as NetCDF, whole or not at all; its attributes hold the recipe to fly it again.
+
+        Args:
+            path: the file to write; an older one is replaced.
+
+        Raises:
+            RequestError: it cannot be written.
+        """
+        from detumble.netcdf import write
+
+        write(self, path)
+
+
+def simulate(
+    scenario: Scenario | str | os.PathLike[str],
+    law: str = "prrl",
+    seed: int = 0,
+    *,
+    index: int = 0,
+    backend: str | None = None,
+) -> Flight:
+    """Fly a scenario once.
+
+    Args:
+        scenario: a scenario, or what `load` takes.
+        law: one of `LAWS`, or `none` for open loop.
+        seed: of the sensor noise, 0 to 2^64 - 1.
+        index: number of the trajectory under that seed: each has its own noise.
+        backend: `portable`, `avx2`, `avx512`; None takes the core's choice. Noise does not depend on it.
+
+    Returns:
+        The flight; one that diverged is a flight too.
+
+    Raises:
+        ScenarioError: the scenario cannot be flown.
+        RequestError: the seed or the back end cannot be used.
+    """
+    scenario = scenario.model_copy(deep=True) if isinstance(scenario, Scenario) else load(scenario)
+    for name, number in (("seed", seed), ("index", index)):
+        if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number <= MOST_SEED:
+            raise RequestError(f"{name} {number!r}: must be a whole number from 0 to 2^64 - 1")
+    checked = checked_backend(backend)
+    recipe = case(scenario, law)
+    try:
+        flown = core().fly(recipe, seed, index, checked)
+    except ValueError as error:
+        raise ScenarioError(scenario.title, problem=str(error)) from None
+    metrics = Metrics.from_summary(flown["summary"])
+    return Flight(
+        scenario=scenario,
+        law=law,
+        seed=seed,
+        index=index,
+        backend=flown["backend"],
+        history=flown["history"],
+        metrics=metrics,
+        events=_events(metrics, flown),
+        warnings=_warnings(metrics, scenario, law),
+    )
+
+
+def read_netcdf(path: str | os.PathLike[str]) -> Flight:
+    """Read a flight that `Flight.to_netcdf` wrote.
+
+    Args:
+        path: the file.
+
+    Returns:
+        The flight, its scenario included.
+
+    Raises:
+        RequestError: the file cannot be read, or is no flight.
+    """
+    from detumble.netcdf import read
+
+    return read(path)
+
+
+def _events(metrics: Metrics, flown: Mapping[str, Any]) -> tuple[Event, ...]:
+    events = []
+    if metrics.capture_time is not None:
+        merge = flown["merge"]
+        events.append(Event("captured", metrics.capture_time, dict(merge) if merge else {}))
+        if metrics.settling_time is not None:
+            events.append(Event("settled", metrics.capture_time + metrics.settling_time))
+    if metrics.diverged_time is not None:
+        events.append(Event("diverged", metrics.diverged_time, {"cause": _cause(flown["history"])}))
+    return tuple(events)
+
+
+def _cause(history: Mapping[str, NDArray[np.float64]]) -> str:
+    """Name the part of the state that had grown most when the numbers ended."""
+    if not len(history["time"]):
+        return "the start is not finite"
+    sizes = {
+        f"{name} {size:.3g} {unit}": size
+        for name, unit in (("position", "m"), ("velocity", "m/s"), ("chaser_rate", "rad/s"), ("debris_rate", "rad/s"))
+        if (size := float(abs(history[name][-1]).max())) >= 0.0
+    }
+    return f"the state left the numbers; last finite value: {max(sizes, key=lambda name: sizes[name])}"
+
+
+def _warnings(metrics: Metrics, scenario: Scenario, law: str) -> tuple[str, ...]:
+    found = []
+    if metrics.capture_time == 0.0 and law != "none":
+        found.append("the start is already inside every threshold: captured at t = 0")
+    if metrics.diverged_time is not None:
+        found.append(f"diverged at {metrics.diverged_time:.10g} s: metrics count only what was flown until then")
+    elif metrics.capture_time is None and law != "none":
+        found.append(f"not captured within {scenario.time.duration:.10g} s")
+    elif metrics.settling_time is None and law != "none" and scenario.capture.merge:
+        found.append("captured, but not settled at the end of the flight")
+    return tuple(found)

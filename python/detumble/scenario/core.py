@@ -1,0 +1,170 @@
+"""The scenario as the core takes it: plain numbers, everything resolved, nothing left to default."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from detumble.errors import Fault, ScenarioError
+from detumble.scenario.laws import LAWS
+from detumble.scenario.physics import tensor, unit
+from detumble.scenario.wording import did_you_mean
+
+if TYPE_CHECKING:
+    from detumble.scenario.laws import OpenLoop
+    from detumble.scenario.model import Scenario
+    from detumble.scenario.quantity import Axes
+    from detumble.scenario.section import Section
+
+Tree = dict[str, Any]
+
+
+def case(scenario: Scenario, law: str) -> Tree:
+    """Give everything that the core needs for one flight.
+
+    Args:
+        scenario: what is flown; checked here once more as a whole.
+        law: one of `LAWS`, or `none` for open loop.
+
+    Returns:
+        Nested dicts of floats, ints, bools and lists, SI, quaternions normalised, inertias 3x3.
+
+    Raises:
+        ScenarioError: the scenario contradicts itself, or has no such law.
+    """
+    scenario.check()
+    if law not in (*LAWS, "none"):
+        problem = f"no law {law!r}{did_you_mean(law, LAWS)}; there are {', '.join(LAWS)}, and none for open loop"
+        raise ScenarioError(scenario.title, problem=problem)
+    chaser, debris = scenario.chaser, scenario.debris
+    orbit: Tree = {"mean_motion": scenario.orbit.mean_motion, "lvlh_attitude": unit(scenario.orbit.lvlh_attitude)}
+    return {
+        "orbit": orbit,
+        "chaser": _body(chaser.mass, chaser.inertia, chaser.grasp_point),
+        "debris": _body(debris.mass, debris.inertia, debris.grasp_point),
+        "start": {
+            "position": list(chaser.position),
+            "velocity": list(chaser.velocity),
+            "chaser_attitude": unit(chaser.attitude),
+            "chaser_rate": list(chaser.rate),
+            "debris_attitude": unit(debris.attitude),
+            "debris_rate": list(debris.tumble_rate),
+        },
+        "goal": _goal(scenario),
+        "capture": {
+            "distance": scenario.capture.distance,
+            "angle": math.radians(scenario.capture.angle_deg),
+            "rate": scenario.capture.rate,
+            "speed": math.inf if scenario.capture.speed is None else scenario.capture.speed,
+        },
+        "settled": {"angle": math.radians(scenario.settled.angle_deg), "rate": scenario.settled.rate},
+        "actuators": {
+            "force": axes(scenario.actuators.force_limit),
+            "torque": axes(scenario.actuators.torque_limit),
+        },
+        "sensors": {
+            "position": scenario.sensors.position_sigma,
+            "velocity": scenario.sensors.velocity_sigma,
+            "attitude": scenario.sensors.attitude_sigma,
+            "rate": scenario.sensors.rate_sigma,
+        },
+        "belief": _belief(scenario),
+        "law": _open_loop(scenario) if law == "none" else _law(scenario, law),
+        "plan": _plan(scenario, law),
+    }
+
+
+def axes(value: Axes) -> list[float]:
+    """Give one number for each axis."""
+    return [value] * 3 if isinstance(value, float) else [float(element) for element in value]
+
+
+def ticks(duration: float, period: float) -> int:
+    """Count the periods needed to cover a duration; a duration of whole periods gives their number despite rounding."""
+    count = duration / period
+    return max(0, math.ceil(count - 1e-9 * max(1.0, count)))
+
+
+def _body(mass: float, inertia: Any, grasp_point: Any) -> Tree:
+    return {"mass": mass, "inertia": tensor(inertia), "grasp_point": list(grasp_point or (0.0, 0.0, 0.0))}
+
+
+def _goal(scenario: Scenario) -> Tree:
+    position = scenario.goal.position or (0.0, 0.0, 0.0)
+    return {"position": list(position), "after_capture": list(scenario.goal.position_after_capture or position)}
+
+
+def _belief(scenario: Scenario) -> Tree:
+    chaser, debris, belief = scenario.chaser, scenario.debris, scenario.belief
+    of_chaser, of_debris = tensor(chaser.inertia), tensor(debris.inertia)
+    of_both = [[of_chaser[i][j] + of_debris[i][j] for j in range(3)] for i in range(3)]
+    return {
+        "chaser_mass": chaser.mass if belief.chaser_mass is None else belief.chaser_mass,
+        "chaser_inertia": of_chaser if belief.chaser_inertia is None else tensor(belief.chaser_inertia),
+        "stack_mass": chaser.mass + debris.mass if belief.stack_mass is None else belief.stack_mass,
+        "stack_inertia": of_both if belief.stack_inertia is None else tensor(belief.stack_inertia),
+    }
+
+
+def _open_loop(scenario: Scenario) -> Tree:
+    period = scenario.time.control_period
+    open_loop: OpenLoop | None = scenario.laws.none
+    segments = [
+        {
+            "first_tick": round(segment.start / period),
+            "end_tick": round(segment.end / period),
+            "body_frame": segment.frame == "body",
+            "force": list(segment.force),
+            "torque": list(segment.torque),
+        }
+        for segment in (open_loop.segments if open_loop else ())
+    ]
+    return {"kind": "none", "segments": segments}
+
+
+def _law(scenario: Scenario, name: str) -> Tree:
+    law = getattr(scenario.laws, name)
+    if law is None:
+        given = [other for other in LAWS if getattr(scenario.laws, other) is not None]
+        text = f"missing; this scenario has gains for {', '.join(given) or 'no law'}"
+        raise ScenarioError(scenario.title, [Fault(f"laws.{name}", text)])
+    shared = {"alpha": law.alpha} if name == "prrl" else {}
+    stack = law.stack
+    channels: dict[str, tuple[Section, Section]] = {
+        channel: (getattr(law, channel), (getattr(stack, channel) if stack else None) or getattr(law, channel))
+        for channel in ("translation", "rotation")
+    }
+    before = {channel: _gains(pair[0], law.form) | shared for channel, pair in channels.items()}
+    after = {channel: _gains(pair[1], law.form) | shared for channel, pair in channels.items()}
+    return {"kind": name, "form": law.form, "before": before, "after": after}
+
+
+def _gains(channel: Section, form: str) -> Tree:
+    fields = channel.model_dump()
+    if "p" in fields:
+        printed = fields.pop("p") / fields.pop("q")
+        corrected = fields.pop("p_corrected") / fields.pop("q_corrected")
+        return {name: axes(value) for name, value in fields.items()} | {
+            "exponent": printed if form == "printed" else corrected
+        }
+    return {name: value if name == "r" else axes(value) for name, value in fields.items()}
+
+
+def _plan(scenario: Scenario, law: str) -> Tree:
+    time, capture, laws = scenario.time, scenario.capture, scenario.laws
+    return {
+        "control_period": time.control_period,
+        "steps_per_period": max(1, ticks(time.control_period, time.integration_step)),
+        "periods": round(time.duration / time.control_period),
+        "dwell_ticks": ticks(capture.dwell, time.control_period),
+        "grasp": scenario.has_grasp_points,
+        "feedforward": scenario.goal.acceleration_feedforward,
+        "goal_after_given": scenario.goal.position_after_capture is not None,
+        "distance_from_debris": capture.distance_from == "debris",
+        "momentum_conserving": capture.transition == "momentum_conserving",
+        "merge": capture.merge and law != "none",
+        "true_stack": scenario.belief.stack == "true",
+        "scaled_saturation": scenario.actuators.saturation == "scaled",
+        "two_epsilon": laws.attitude_error == "two_epsilon",
+        "exact_surface_rate": laws.surface_rate == "exact",
+    }

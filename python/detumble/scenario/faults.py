@@ -1,0 +1,175 @@
+"""From what pydantic finds to what a person reads: every fault of a scenario in one list, in the wording of the fields."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from types import UnionType
+from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin
+
+from pydantic import TypeAdapter, ValidationError
+
+from detumble.errors import Fault, ScenarioError
+from detumble.scenario.quantity import Quantity
+from detumble.scenario.section import Section
+from detumble.scenario.wording import did_you_mean, pretty, shown
+
+if TYPE_CHECKING:
+    from pydantic.fields import FieldInfo
+    from pydantic_core import ErrorDetails
+
+    from detumble.scenario.model import Scenario
+
+Place = tuple[int | str, ...]
+
+
+def validated(raw: Mapping[str, Any], source: str) -> Scenario:
+    """Make a scenario of the tables of a file.
+
+    Args:
+        raw: the tables as tomllib gives them.
+        source: what to call the file in a message.
+
+    Returns:
+        The scenario.
+
+    Raises:
+        ScenarioError: with every fault found.
+    """
+    from detumble.scenario.model import Scenario
+
+    try:
+        return Scenario.model_validate(raw)
+    except ValidationError as error:
+        faults = explained(error, Scenario)
+        faulty = {fault.path for fault in faults}
+        for fault in _relations(Scenario, raw, faulty):
+            if fault not in faults:
+                faults.append(fault)
+    raise ScenarioError(source, faults)
+
+
+def explained(error: ValidationError, model: type[Section]) -> list[Fault]:
+    """Translate pydantic's findings about one model."""
+    faults: list[Fault] = []
+    for detail in error.errors(include_url=False):
+        place = detail["loc"]
+        if detail["type"] == "relations":
+            prefix = _dotted(place)
+            inner: list[Fault] = detail["ctx"]["faults"]
+            faults += [replace(fault, path=f"{prefix}.{fault.path}" if prefix else fault.path) for fault in inner]
+        else:
+            faults.append(_fault(detail, model))
+    return faults
+
+
+def _fault(detail: ErrorDetails, model: type[Section]) -> Fault:
+    place, kind, value = detail["loc"], detail["type"], detail["input"]
+    path, unit = _dotted(place), detail.get("ctx", {}).get("unit", "")
+    met = f"{shown(value)} {pretty(unit)}".rstrip() if not isinstance(value, str) else shown(value)
+    match kind:
+        case "missing":
+            return Fault(path, f"missing; needed: {_needed(model, place)}")
+        case "extra_forbidden" | "no_such_attribute":
+            owner = section_at(model, place[:-1])
+            return Fault(path, f"unknown key{did_you_mean(str(place[-1]), owner.model_fields if owner else ())}")
+        case "quantity":
+            return Fault(path, pretty(detail["ctx"]["text"]), met)
+        case "literal_error":
+            choices = [choice.strip("'") for choice in detail["ctx"]["expected"].replace(" or ", ", ").split(", ")]
+            return Fault(path, f"must be {' or '.join(choices)}{did_you_mean(str(value), choices)}", met)
+        case "model_type" | "model_attributes_type" | "dict_type":
+            return Fault(path or "the file", "must be a table", met)
+        case "list_type":
+            return Fault(path, "must be an array of tables", met)
+        case "bool_type" | "bool_parsing":
+            return Fault(path, "must be true or false", met)
+        case "string_type":
+            return Fault(path, "must be text in quotes", met)
+        case "string_too_short":
+            return Fault(path, "must not be empty", met)
+        case _:
+            return Fault(path, detail["msg"], met)
+
+
+def section_at(model: type[Section], place: Place) -> type[Section] | None:
+    """Find the section that stands at a place of the model, or None where there is none."""
+    current: type[Section] | None = model
+    for step in place:
+        if isinstance(step, int):
+            continue
+        field = current.model_fields.get(step) if current else None
+        current = _section_of(field.annotation) if field else None
+    return current
+
+
+def _section_of(annotation: Any) -> type[Section] | None:
+    if isinstance(annotation, type) and get_origin(annotation) is None and issubclass(annotation, Section):
+        return annotation
+    if get_origin(annotation) in (Union, UnionType, list):
+        return next((found for inner in get_args(annotation) if (found := _section_of(inner))), None)
+    return None
+
+
+def quantity_of(field: FieldInfo) -> Quantity | None:
+    """Find the quantity that describes a field, also where the field is optional."""
+    inner = [meta for part in get_args(field.annotation) for meta in getattr(part, "__metadata__", ())]
+    return next((meta for meta in (*field.metadata, *inner) if isinstance(meta, Quantity)), None)
+
+
+def is_text(field: FieldInfo | None) -> bool:
+    """Tell whether a field holds text: a title, or one of several words."""
+    return field is not None and (field.annotation is str or get_origin(field.annotation) is Literal)
+
+
+def _needed(model: type[Section], place: Place) -> str:
+    owner = section_at(model, place[:-1])
+    field = owner.model_fields.get(str(place[-1])) if owner else None
+    if field is None:
+        return str(place[-1])
+    quantity = quantity_of(field)
+    if quantity is None:
+        return "a table" if _section_of(field.annotation) else (field.description or str(place[-1]))
+    return f"{quantity.meaning} [{pretty(quantity.unit)}]" if quantity.unit else quantity.meaning
+
+
+def _dotted(place: Place) -> str:
+    path = ""
+    for step in place:
+        path += f"[{step}]" if isinstance(step, int) else f".{step}" if path else step
+    return path
+
+
+def _relations(model: type[Section], raw: Any, faulty: set[str], prefix: str = "") -> list[Fault]:
+    """Check the relations whose fields are all sound, though others of the file are not."""
+    found: list[Fault] = []
+    if not isinstance(raw, Mapping):
+        return found
+    for relation in model.relations:
+        if any(_touches(prefix + path, faulty) for path in relation.reads):
+            continue
+        text = relation.fault(*(_value(model, raw, path.split(".")) for path in relation.reads))
+        if text:
+            found.append(Fault(prefix + relation.at, text))
+    for name, field in model.model_fields.items():
+        inner = _section_of(field.annotation)
+        if inner and get_origin(field.annotation) is not list and name in raw:
+            found += _relations(inner, raw[name], faulty, f"{prefix}{name}.")
+    return found
+
+
+def _touches(path: str, faulty: set[str]) -> bool:
+    return any(path == bad or path.startswith(bad + ".") or bad.startswith((path + ".", path + "[")) for bad in faulty)
+
+
+def _value(model: type[Section], raw: Mapping[str, Any], path: list[str]) -> Any:
+    field = model.model_fields[path[0]]
+    if path[0] not in raw:
+        default = field.get_default(call_default_factory=True)
+        return default.at(".".join(path[1:])) if len(path) > 1 and isinstance(default, Section) else default
+    inner = _section_of(field.annotation)
+    if len(path) > 1 and inner is not None:
+        return _value(inner, raw[path[0]], path[1:])
+    quantity = quantity_of(field)
+    reader: TypeAdapter[Any] = TypeAdapter(Any if field.annotation is None else field.annotation)
+    return quantity.read(raw[path[0]]) if quantity else reader.validate_python(raw[path[0]])

@@ -1,0 +1,316 @@
+"""The scenario: bodies, orbit, goal, capture, hardware, beliefs and laws. SI units; each field tells its own unit and range.
+
+Frames: N inertial, H the target orbit's LVLH frame, C chaser, D debris. Quaternions scalar first, body -> N.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field, StrictBool
+
+from detumble.scenario.laws import Laws, Segment
+from detumble.scenario.quantity import Axes, Inertia, Quantity, Quaternion, Vector
+from detumble.scenario.section import Relation, Section
+
+MOST_PERIODS = 2_000_000
+"""Keeps the history of one flight within a laptop's memory."""
+
+_ZERO: Vector = (0.0, 0.0, 0.0)
+_IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+
+def whole(count: float) -> bool:
+    """Tell whether a ratio of two times is a whole number, to rounding (relative 1e-9)."""
+    return abs(count - round(count)) <= 1e-9 * max(1.0, abs(count))
+
+
+def _duration_fault(duration: float, period: float) -> str | None:
+    count = duration / period
+    if not whole(count) or round(count) < 1:
+        return f"{duration:.10g} s: must be a whole number of control periods ({period:.10g} s)"
+    if count > MOST_PERIODS:
+        return f"{duration:.10g} s: is {count:.4g} control periods; at most {MOST_PERIODS} can be flown"
+    return None
+
+
+class Time(Section):
+    """The clocks of a flight."""
+
+    duration: Annotated[float, Quantity("s", "length of the flight, whole control periods", above=0.0, most=1e8)]
+    control_period: Annotated[float, Quantity("s", "time between commands", above=0.0, most=1e4)]
+    integration_step: Annotated[
+        float, Quantity("s", "longest step; a period is cut into the fewest equal steps", above=0.0, most=1e4)
+    ]
+
+    relations: ClassVar[tuple[Relation, ...]] = (
+        Relation("duration", ("duration", "control_period"), _duration_fault),
+        Relation(
+            "integration_step",
+            ("integration_step", "control_period"),
+            lambda step, period: (
+                None if step <= period else f"{step:.10g} s: must not be longer than control_period ({period:.10g} s)"
+            ),
+        ),
+        Relation(
+            "integration_step",
+            ("integration_step", "control_period"),
+            lambda step, period: (
+                None
+                if period <= 1e5 * step
+                else f"{step:.10g} s: must be at least a 100000th of control_period ({period:.10g} s)"
+            ),
+        ),
+    )
+
+
+def _orbit_fault(altitude: float | None, radius: float | None) -> str | None:
+    if (altitude is None) == (radius is None):
+        return "exactly one of altitude and radius must be given"
+    return None
+
+
+class Orbit(Section):
+    """The target's circular orbit."""
+
+    altitude: Annotated[float, Quantity("m", "height above earth_radius", kilo=True, least=8e4, most=1e8)] | None = None
+    radius: Annotated[float, Quantity("m", "distance from the centre", kilo=True, least=1e6, most=1e9)] | None = None
+    earth_radius: Annotated[float, Quantity("m", "radius of the planet", kilo=True, least=1e5, most=1e8)] = 6371e3
+    mu: Annotated[float, Quantity("m^3/s^2", "gravitational parameter of the planet", least=1e10, most=1e18)] = (
+        3.986004418e14
+    )
+    lvlh_attitude: Annotated[Quaternion, Quantity("", "q_HN, H -> N at t = 0", shape="quaternion")] = _IDENTITY
+
+    alternatives: ClassVar[tuple[tuple[str, str], ...]] = (("altitude", "radius"),)
+    relations: ClassVar[tuple[Relation, ...]] = (Relation("altitude", ("altitude", "radius"), _orbit_fault),)
+
+    @property
+    def mean_motion(self) -> float:
+        """Angular rate of H about its z axis, rad/s: sqrt(mu / a^3)."""
+        radius = self.radius if self.radius is not None else self.earth_radius + (self.altitude or 0.0)
+        return math.sqrt(self.mu / radius**3)
+
+
+def _mass() -> Quantity:
+    return Quantity("kg", "mass", above=0.0, most=1e5)
+
+
+def _inertia(meaning: str, *, rigid: bool = True) -> Quantity:
+    return Quantity("kg m^2", meaning, shape="inertia", rigid=rigid, least=-1e6, most=1e6)
+
+
+def _rate(meaning: str) -> Quantity:
+    return Quantity("rad/s", meaning, shape="vector", least=-100.0, most=100.0)
+
+
+def _position(meaning: str) -> Quantity:
+    return Quantity("m", meaning, shape="vector", least=-1e6, most=1e6)
+
+
+class Chaser(Section):
+    """The spacecraft that captures."""
+
+    mass: Annotated[float, _mass()]
+    inertia: Annotated[Inertia, _inertia("inertia about the centre of mass, body axes")]
+    position: Annotated[Vector, _position("r_CD_H at t = 0: relative to the debris, in H")]
+    velocity: Annotated[
+        Vector,
+        Quantity("m/s", "relative velocity at t = 0, seen in the turning H", shape="vector", least=-1e3, most=1e3),
+    ] = _ZERO
+    attitude: Annotated[Quaternion, Quantity("", "C -> N at t = 0", shape="quaternion")] = _IDENTITY
+    rate: Annotated[Vector, _rate("omega_CN_C at t = 0")] = _ZERO
+    grasp_point: Annotated[Vector, _position("grasp point in C axes")] | None = None
+
+
+class Debris(Section):
+    """The tumbling target, at the origin of H."""
+
+    mass: Annotated[float, _mass()]
+    inertia: Annotated[Inertia, _inertia("inertia about the centre of mass, body axes")]
+    attitude: Annotated[Quaternion, Quantity("", "D -> N at t = 0", shape="quaternion")] = _IDENTITY
+    tumble_rate: Annotated[Vector, _rate("omega_DN_D at t = 0")]
+    grasp_point: Annotated[Vector, _position("grasp point in D axes")] | None = None
+
+
+class Goal(Section):
+    """Where the chaser shall stand relative to the debris; with grasp points that follows from them."""
+
+    position: Annotated[Vector, _position("r_des in H, before capture")] | None = None
+    position_after_capture: Annotated[Vector, _position("r_des in H of the stack; default: it stays")] | None = None
+    acceleration_feedforward: StrictBool = Field(False, description="with grasp points: the law adds m a_des")
+
+
+class Capture(Section):
+    """The thresholds, strict, all at once; and what becomes of the two bodies."""
+
+    distance: Annotated[float, Quantity("m", "from the goal (or between the grasp points)", above=0.0, most=1e6)]
+    angle_deg: Annotated[float, Quantity("deg", "attitude error against the debris", above=0.0, most=180.0)]
+    rate: Annotated[float, Quantity("rad/s", "norm of the relative angular rate", above=0.0, most=100.0)]
+    speed: Annotated[float, Quantity("m/s", "relative speed in H", above=0.0, most=1e4)] | None = None
+    dwell: Annotated[float, Quantity("s", "how long all must have held", least=0.0, most=1e7)] = 0.0
+    distance_from: Literal["goal", "debris"] = Field("goal", description="distance is |r - r_des|, or |r|")
+    transition: Literal["approximate", "momentum_conserving"] = Field(
+        "approximate", description="the stack takes the chaser's state, or what momentum leaves"
+    )
+    merge: StrictBool = Field(True, description="false: the first capture is recorded, the bodies stay two")
+
+
+class Settled(Section):
+    """When the stack counts as stabilised: both hold until the end of the flight."""
+
+    angle_deg: Annotated[float, Quantity("deg", "stack axes against H", above=0.0, most=180.0)] = 5.0
+    rate: Annotated[float, Quantity("rad/s", "rate relative to H", above=0.0, most=100.0)] = 0.005
+
+
+class Actuators(Section):
+    """Ideal generators of force and torque, with limits."""
+
+    force_limit: Annotated[Axes, Quantity("N", "limit per axis", shape="axes", above=0.0, most=1e6, infinite=True)]
+    torque_limit: Annotated[Axes, Quantity("N m", "limit per axis", shape="axes", above=0.0, most=1e6, infinite=True)]
+    saturation: Literal["per_axis", "scaled"] = Field(
+        "per_axis", description="each axis is clipped, or the whole vector is scaled until it fits"
+    )
+
+
+class Sensors(Section):
+    """Standard deviations of white Gaussian noise per axis, drawn anew at each control tick."""
+
+    position_sigma: Annotated[float, Quantity("m", "relative position", least=0.0, most=1e4)] = 0.0
+    velocity_sigma: Annotated[float, Quantity("m/s", "relative velocity", least=0.0, most=1e3)] = 0.0
+    attitude_sigma: Annotated[float, Quantity("rad", "chaser attitude, small angle", least=0.0, most=1.0)] = 0.0
+    rate_sigma: Annotated[float, Quantity("rad/s", "chaser rate", least=0.0, most=10.0)] = 0.0
+
+
+def _belief_relation(field: str) -> Relation:
+    def fault(stack: str, override: object) -> str | None:
+        return (
+            None
+            if override is None or stack == "design"
+            else 'needs stack = "design"; a law that is told the truth has no belief'
+        )
+
+    return Relation(field, ("stack", field), fault)
+
+
+class Belief(Section):
+    """What the laws believe about the bodies; the default is their design."""
+
+    stack: Literal["design", "true"] = Field(
+        "design", description="the stack is m_c + m_d and I_c + I_d as matrices, or what it truly is"
+    )
+    chaser_mass: Annotated[float, _mass()] | None = None
+    chaser_inertia: Annotated[Inertia, _inertia("believed inertia of the chaser", rigid=False)] | None = None
+    stack_mass: Annotated[float, _mass()] | None = None
+    stack_inertia: Annotated[Inertia, _inertia("believed inertia of the stack", rigid=False)] | None = None
+
+    relations: ClassVar[tuple[Relation, ...]] = (_belief_relation("stack_mass"), _belief_relation("stack_inertia"))
+
+
+def _grasp_fault(chaser: object, debris: object) -> str | None:
+    return None if (chaser is None) == (debris is None) else "both bodies carry a grasp point, or neither does"
+
+
+def _goal_fault(position: object, chaser: object, debris: object) -> str | None:
+    grasp = chaser is not None and debris is not None
+    if position is None and chaser is None and debris is None:
+        return "missing; without grasp points the goal needs a position in m"
+    return "must not be given with grasp points: they are the goal" if grasp and position is not None else None
+
+
+def _feedforward_fault(feedforward: bool, chaser: object, debris: object) -> str | None:
+    return "needs grasp points: a fixed goal has no acceleration" if feedforward and chaser is debris is None else None
+
+
+def _segments_fault(segments: list[Segment] | None, period: float) -> str | None:
+    latest = 0.0
+    for number, segment in enumerate(segments or []):
+        for time in (segment.start, segment.end):
+            if not whole(time / period):
+                return f"[{number}]: {time:.10g} s is not a whole number of control periods ({period:.10g} s)"
+        if segment.start < latest - 1e-9 * period:
+            return f"[{number}]: starts at {segment.start:.10g} s, before the one ahead of it ends ({latest:.10g} s)"
+        latest = segment.end
+    return None
+
+
+class Scenario(Section):
+    """Everything that one flight needs but the choice of the law and the seed."""
+
+    title: str = Field(min_length=1, description="one line for tables and figures")
+    description: str = Field("", description="what this case is for, and where its numbers come from")
+    time: Time
+    orbit: Orbit
+    chaser: Chaser
+    debris: Debris
+    goal: Goal = Field(default_factory=Goal)
+    capture: Capture
+    settled: Settled = Field(default_factory=Settled)
+    actuators: Actuators
+    sensors: Sensors = Field(default_factory=Sensors)
+    belief: Belief = Field(default_factory=Belief)
+    laws: Laws = Field(default_factory=Laws)
+
+    checks_relations_on_assignment: ClassVar[bool] = False
+    relations: ClassVar[tuple[Relation, ...]] = (
+        Relation("chaser.grasp_point", ("chaser.grasp_point", "debris.grasp_point"), _grasp_fault),
+        Relation("goal.position", ("goal.position", "chaser.grasp_point", "debris.grasp_point"), _goal_fault),
+        Relation(
+            "goal.acceleration_feedforward",
+            ("goal.acceleration_feedforward", "chaser.grasp_point", "debris.grasp_point"),
+            _feedforward_fault,
+        ),
+        Relation("laws.none.segments", ("laws.none.segments", "time.control_period"), _segments_fault),
+    )
+
+    @classmethod
+    def table(cls) -> str:
+        """Name nothing: the scenario is the file itself."""
+        return ""
+
+    @property
+    def has_grasp_points(self) -> bool:
+        """Tell whether the goal is to bring two grasp points together."""
+        return self.chaser.grasp_point is not None and self.debris.grasp_point is not None
+
+    def check(self) -> None:
+        """Make sure that the scenario can be flown after all that was assigned.
+
+        Raises:
+            ScenarioError: sections contradict each other.
+        """
+        from detumble.scenario.faults import validated
+
+        validated(self.to_dict(), self.title)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give the scenario as the plain tables of its file; what is absent is left out."""
+        return self.model_dump(exclude_none=True)
+
+    def to_toml(self) -> str:
+        """Give the scenario as the text of its file, units beside the values."""
+        from detumble.scenario.toml import text_of
+
+        return text_of(self)
+
+    def save(self, path: str | Path) -> None:
+        """Write the scenario as TOML, whole or not at all.
+
+        Args:
+            path: the file to write; an older one is replaced.
+
+        Raises:
+            ScenarioError: the scenario contradicts itself.
+            RequestError: the file cannot be written.
+        """
+        from detumble.scenario.files import save
+
+        save(self, path)
+
+    @classmethod
+    def schema(cls, *_: Any, **__: Any) -> dict[str, Any]:
+        """Give the JSON Schema of a scenario file; each quantity tells its `unit`."""
+        from detumble.scenario.schema import schema_of
+
+        return schema_of(cls)

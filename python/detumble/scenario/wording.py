@@ -1,0 +1,54 @@
+"""Values, units and suggestions as a person reads them."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from decimal import Decimal
+from typing import Any
+
+
+def number(value: float) -> str:
+    """Write a float with the fewest digits that read back to the same bits, the way TOML does: 0.05, 700e3, 6.871e6."""
+    text = repr(value)
+    if text in ("inf", "-inf", "nan") or 1e-3 <= abs(value) < 1e5 or value == 0.0:
+        return text
+    sign, digits, exponent = Decimal(text).normalize().as_tuple()
+    figures, power = "".join(map(str, digits)), int(exponent) + len(digits) - 1
+    thousands = power - power % 3
+    if power > 0 and len(figures) <= power - thousands + 1:
+        whole, fraction, power = figures.ljust(power - thousands + 1, "0"), "", thousands
+    else:
+        whole, fraction = figures[0], figures[1:]
+    return f"{'-' if sign else ''}{whole}{'.' + fraction if fraction else ''}e{power}"
+
+
+def shown(value: Any, width: int = 72) -> str:
+    """Write a value much as TOML would, rounded and shortened to fit a line."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, bool):
+        text = str(value).lower()
+    elif isinstance(value, float):
+        text = number(float(f"{value:.10g}")).removesuffix(".0")
+    elif isinstance(value, str):
+        text = '"' + value.replace("\n", "\\n") + '"'
+    elif isinstance(value, list | tuple):
+        text = "[" + ", ".join(shown(element, width) for element in value) + "]"
+    elif isinstance(value, dict):
+        text = "{" + ", ".join(f"{key} = {shown(element, width)}" for key, element in value.items()) + "}"
+    else:
+        text = str(value)
+    return text if len(text) <= width else text[: width - 3] + "..."
+
+
+def pretty(unit: str) -> str:
+    """Write powers in a unit as raised digits: kg m², s⁴/m²."""
+    return unit.replace("^2", "²").replace("^3", "³").replace("^4", "⁴")
+
+
+def did_you_mean(word: str, choices: Iterable[str]) -> str:
+    """Suggest the nearest of the choices: `; did you mean x?`, or nothing."""
+    folded = {choice.lower().replace("_", ""): choice for choice in choices}
+    near = difflib.get_close_matches(word.lower().replace("_", "").replace("-", ""), folded, n=1, cutoff=0.6)
+    return f"; did you mean {folded[near[0]]}?" if near else ""
