@@ -27,6 +27,7 @@ setup: $(CORE_READY) ## the environment in .venv, with the compiled core
 	@:
 
 $(UV): requirements-tools.lock
+	@scripts/python-for-detumble -c ""
 	@echo "setup: making the environment in .venv"
 	@scripts/python-for-detumble -m venv --clear .tools || { echo "setup: python's venv module does not work here (Debian: install python3-venv)" >&2; exit 1; }
 	@.tools/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-tools.lock

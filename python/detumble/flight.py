@@ -56,7 +56,7 @@ class Flight:
         warnings: what a reader of the numbers ought to know.
     """
 
-    scenario: Scenario
+    scenario: Scenario = field(repr=False)
     law: str
     seed: int
     index: int
@@ -131,6 +131,7 @@ def simulate(
     except ValueError as error:
         raise ScenarioError(scenario.title, problem=str(error)) from None
     metrics = Metrics.from_summary(flown["summary"])
+    events = _events(metrics, flown)
     return Flight(
         scenario=scenario,
         law=law,
@@ -139,8 +140,8 @@ def simulate(
         backend=flown["backend"],
         history=flown["history"],
         metrics=metrics,
-        events=_events(metrics, flown),
-        warnings=_warnings(metrics, scenario, law),
+        events=events,
+        warnings=_warnings(metrics, events, scenario, law),
     )
 
 
@@ -185,12 +186,13 @@ def _cause(history: Mapping[str, NDArray[np.float64]]) -> str:
     return f"the state left the numbers; last finite value: {max(sizes, key=lambda name: sizes[name])}"
 
 
-def _warnings(metrics: Metrics, scenario: Scenario, law: str) -> tuple[str, ...]:
+def _warnings(metrics: Metrics, events: tuple[Event, ...], scenario: Scenario, law: str) -> tuple[str, ...]:
     found = []
+    diverged = next((event for event in events if event.name == "diverged"), None)
     if metrics.capture_time == 0.0 and law != "none":
         found.append("the start is already inside every threshold: captured at t = 0")
-    if metrics.diverged_time is not None:
-        found.append(f"diverged at {metrics.diverged_time:.10g} s: metrics count only what was flown until then")
+    if diverged:
+        found.append(f"diverged at {diverged.time:.10g} s: {diverged.details['cause']}")
     elif metrics.capture_time is None and law != "none":
         found.append(f"not captured within {scenario.time.duration:.10g} s")
     elif metrics.settling_time is None and law != "none" and scenario.capture.merge:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -33,7 +33,8 @@ def whole_file(path: Path) -> Iterator[Path]:
     except OSError as error:
         raise RequestError(f"{path}: cannot be written: {reason(error)}") from None
     finally:
-        temporary.unlink(missing_ok=True) if temporary.parent.is_dir() else None
+        with suppress(OSError):
+            temporary.unlink()
 
 
 def write_text(path: Path, text: str) -> None:
@@ -42,26 +43,37 @@ def write_text(path: Path, text: str) -> None:
         temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
-def output_folder(path: Path) -> Path:
-    """Create a folder for results and make sure that files can be made in it.
+@contextmanager
+def output_folder(path: Path | None) -> Iterator[Path | None]:
+    """Create a folder for results and make sure that files can be made in it, before the work that fills it begins.
 
     Args:
-        path: the folder; folders above it are created too.
+        path: the folder; folders above it are created too. None asks for no folder.
 
-    Returns:
-        The same path.
+    Yields:
+        The same path. If the work fails, folders that were created for it and are still empty are taken away again.
 
     Raises:
         RequestError: it cannot be created, or takes no files.
     """
+    if path is None:
+        yield None
+        return
+    created = [folder for folder in (path, *path.parents) if not folder.exists()]
     try:
-        path.mkdir(parents=True, exist_ok=True)
-        probe = path / f".detumble.{os.getpid()}"
-        probe.touch()
-        probe.unlink()
-    except OSError as error:
-        raise RequestError(f"{path}: cannot be used as an output folder: {reason(error)}") from None
-    return path
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+            probe = path / f".detumble.{os.getpid()}"
+            probe.touch()
+            probe.unlink()
+        except OSError as error:
+            raise RequestError(f"{path}: cannot be used as an output folder: {reason(error)}") from None
+        yield path
+    except BaseException:
+        for folder in created:
+            with suppress(OSError):
+                folder.rmdir()
+        raise
 
 
 def reason(error: OSError) -> str:

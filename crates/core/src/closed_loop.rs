@@ -8,7 +8,7 @@ use crate::batch_struct;
 use crate::case::{Case, Motion, Plan};
 use crate::gnc::capture::{CaptureState, CaptureTest, SettledTest};
 use crate::gnc::error::TrackingError;
-use crate::gnc::guidance::{self, GoalKind, GraspPoints, Target};
+use crate::gnc::guidance::{self, GraspPoints, Target};
 use crate::gnc::laws::{Law, LawRecipe, MassProperties, Phase, Setting, Told};
 use crate::hardware::actuators::saturate;
 use crate::hardware::sensors::{Noisy, sense};
@@ -16,7 +16,7 @@ use crate::number::{Mask, Quat, Real, Stream, Vec3};
 use crate::plant::attitude::Inertia;
 use crate::plant::lvlh::Lvlh;
 use crate::plant::orbit::HeldStep;
-use crate::plant::propagate::{Surroundings, Vehicle, Wrench, WrenchFrame, propagate};
+use crate::plant::propagate::{Period, Surroundings, Vehicle, Wrench, WrenchFrame, propagate};
 use crate::plant::stack::{merge_approximate, merge_conserving};
 
 /// One control period of every lane.
@@ -37,7 +37,7 @@ pub fn control_period<R: Real, O: Observer<R>>(
     if captured_now.any() {
         observer.captured(captured_now, &flight.truth, &error);
         if plan.merge {
-            merge(scene, flight, captured_now, &target, time);
+            merge(scene, flight, captured_now, time);
             observer.merged(captured_now, flight);
             target = guide(scene, flight, &flight.truth, time);
             error = TrackingError::between(&flight.truth, &target);
@@ -57,8 +57,9 @@ pub fn control_period<R: Real, O: Observer<R>>(
     let flown = number < plan.periods;
     observer.observe(scene, flight, &Tick { number, time, flown, target, error, demand, applied });
     if flown {
-        let clock = (time, plan.step(), plan.steps_per_period);
-        flight.truth = propagate(&scene.numbers.around, &flight.vehicle, flight.truth, &applied, frame, clock);
+        let (step, steps) = (plan.step(), plan.steps_per_period);
+        let period = Period { time, step, steps, principal_axes: scene.principal_axes };
+        propagate(&scene.numbers.around, &flight.vehicle, &mut flight.truth, &applied, frame, &period);
         ride_along(plan, flight);
     }
 }
@@ -85,8 +86,9 @@ fn judge<R: Real>(scene: &Scene<'_, R>, flight: &mut Flight<R>, error: &Tracking
 
 /// Makes one body of two in the lanes just captured, and hands the stack to the law.
 #[inline(never)]
-fn merge<R: Real>(scene: &Scene<'_, R>, flight: &mut Flight<R>, lanes: R::Mask, target: &Target<R>, time: f64) {
+fn merge<R: Real>(scene: &Scene<'_, R>, flight: &mut Flight<R>, lanes: R::Mask, time: f64) {
     let case = &scene.numbers.case;
+    let reached = scene.approach(&flight.truth, time).position;
     let stack = if scene.plan.momentum_conserving {
         let lvlh = Lvlh::at(&case.orbit, time);
         merge_conserving(&case.chaser, &case.debris, &flight.truth, &lvlh)
@@ -94,7 +96,7 @@ fn merge<R: Real>(scene: &Scene<'_, R>, flight: &mut Flight<R>, lanes: R::Mask, 
         merge_approximate(&case.chaser, &case.debris, &flight.truth)
     };
     let mount = flight.truth.chaser_attitude.conjugate() * flight.truth.debris_attitude;
-    let goal = if scene.plan.goal_after_given { case.goal.after_capture } else { target.position };
+    let goal = if scene.plan.goal_after_given { case.goal.after_capture } else { reached };
 
     flight.mount = Quat::select(lanes, mount, flight.mount);
     flight.stack_goal = Vec3::select(lanes, goal, flight.stack_goal);
@@ -122,16 +124,11 @@ fn ride_along<R: Real>(plan: &Plan, flight: &mut Flight<R>) {
 /// The goal of each lane's phase, from what is known of the motion.
 #[inline(always)]
 fn guide<R: Real>(scene: &Scene<'_, R>, flight: &Flight<R>, motion: &Motion<R>, time: f64) -> Target<R> {
-    let case = &scene.numbers.case;
-    let grasp = GraspPoints {
-        chaser: case.chaser.grasp_point,
-        debris: case.debris.grasp_point,
-        debris_inertia: scene.numbers.around.debris,
-    };
-    let approach = guidance::approach(scene.goal_kind(), case.goal.position, &grasp, &case.orbit, motion, time);
+    let approach = scene.approach(motion, time);
     let merged = flight.capture.captured();
     if scene.plan.merge && merged.any() {
-        let stack = guidance::stabilise(flight.stack_goal, &Lvlh::at(&case.orbit, time));
+        let lvlh = Lvlh::at(&scene.numbers.case.orbit, time);
+        let stack = guidance::stabilise(flight.stack_goal, &lvlh);
         Target::choose(merged, &stack, &approach)
     } else {
         approach
@@ -190,7 +187,7 @@ impl Numbers<f64> {
             },
             capture: CaptureTest::new(&case.capture),
             settled: SettledTest::new(&case.settled),
-            chaser: Vehicle { mass: case.chaser.mass, inertia: Inertia::new(case.chaser.inertia) },
+            chaser: Vehicle::new(case.chaser.mass, Inertia::new(case.chaser.inertia)),
         }
     }
 }
@@ -232,6 +229,8 @@ pub struct Scene<'a, R: Real> {
     pub numbers: Numbers<R>,
     /// Which sensors are noisy anywhere in the campaign.
     pub noisy: Noisy,
+    /// No lane ever has a product of inertia.
+    principal_axes: bool,
     law_after: Option<Law<R>>,
     laws: &'a dyn Fn(usize) -> &'a Laws,
 }
@@ -244,7 +243,19 @@ impl<'a, R: Real> Scene<'a, R> {
         numbers: &dyn Fn(usize) -> &'a Numbers<f64>,
         laws: &'a dyn Fn(usize) -> &'a Laws,
     ) -> Self {
-        Self { plan, numbers: Batch::gather(numbers), noisy, law_after: gather_law(laws, |laws| &laws.after), laws }
+        let diagonal = |i: usize| {
+            let Numbers { case: Case { chaser, debris, .. }, .. } = numbers(i);
+            chaser.inertia.is_diagonal() && debris.inertia.is_diagonal()
+        };
+        let stays_diagonal = !(plan.merge && plan.momentum_conserving);
+        Self {
+            plan,
+            numbers: Batch::gather(numbers),
+            noisy,
+            principal_axes: stays_diagonal && (0..R::LANES).all(diagonal),
+            law_after: gather_law(laws, |laws| &laws.after),
+            laws,
+        }
     }
 
     /// The state in which the flights begin.
@@ -260,9 +271,19 @@ impl<'a, R: Real> Scene<'a, R> {
         }
     }
 
+    /// The goal of two separate bodies.
     #[inline(always)]
-    fn goal_kind(&self) -> GoalKind {
-        if self.plan.grasp { GoalKind::Grasp { acceleration: self.plan.feedforward } } else { GoalKind::Fixed }
+    fn approach(&self, motion: &Motion<R>, time: f64) -> Target<R> {
+        let case = &self.numbers.case;
+        if !self.plan.grasp {
+            return guidance::fixed_point(case.goal.position, motion);
+        }
+        let grasp = GraspPoints {
+            chaser: case.chaser.grasp_point,
+            debris: case.debris.grasp_point,
+            debris_inertia: self.numbers.around.debris,
+        };
+        guidance::grasp_points(&grasp, motion, &Lvlh::at(&case.orbit, time), self.plan.feedforward)
     }
 
     /// The law of a stack whose true mass and inertia it is told.

@@ -146,7 +146,7 @@ impl<R: Real> Metrics<R> {
         let held = Vec3::splat(period);
         self.impulse = held.mul_add(force, self.impulse);
         self.torque_impulse = held.mul_add(torque, self.torque_impulse);
-        self.delta_v = Vec3::splat(period / flight.vehicle.mass).mul_add(force, self.delta_v);
+        self.delta_v = Vec3::splat(period * flight.vehicle.inverse_mass).mul_add(force, self.delta_v);
 
         let (force_demand, torque_demand) = (demand.force.abs(), demand.torque.abs());
         self.peak_applied.force = self.peak_applied.force.max(force.max_component());

@@ -21,7 +21,6 @@ from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp  # type: ignore[import-untyped]
 from scipy.special import ellipj, ellipkinc  # type: ignore[import-untyped]
 
 Array: TypeAlias = NDArray[np.float64]
@@ -128,6 +127,8 @@ def _steady(attitude: Array, rate: Array, period: float, ticks: int) -> tuple[Ar
 
 def _integrated(inertia: Array, attitude: Array, rate: Array, period: float, ticks: int) -> tuple[Array, Array]:
     """The same motion by an eighth-order Runge-Kutta method, for the neighbourhood of the separatrix."""
+    from scipy.integrate import solve_ivp  # type: ignore[import-untyped]  # slow to import, rarely needed
+
     inverse = np.linalg.inv(inertia)
 
     def slope(_: float, state: Array) -> Array:

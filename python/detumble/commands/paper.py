@@ -27,11 +27,11 @@ def paper(
     from detumble.writing import output_folder
 
     scenario = load(SCENARIO)
-    folder = output_folder(out) if out else None
-    flights = {law: simulate(scenario, law) for law in LAWS}
-    minimum = float(minimum_capture_time(scenario))
-    result = {"laws": {law: _numbers(law, flight, minimum) for law, flight in flights.items()}}
-    files = _write(flights, result, folder) if folder else []
+    with output_folder(out) as folder:
+        flights = {law: simulate(scenario, law) for law in LAWS}
+        minimum = float(minimum_capture_time(scenario))
+        result = {"laws": {law: _numbers(law, flight, minimum) for law, flight in flights.items()}}
+        files = _write(flights, result, minimum, folder) if folder else []
     if as_json:
         print_json({**result, "files": [str(file) for file in files]})
     else:
@@ -39,8 +39,8 @@ def paper(
     for law, flight in flights.items():
         for warning in flight.warnings:
             remark(f"warning: {law}: {warning}")
-    if folder:
-        remark(f"written: {len(files)} files in {folder}")
+    if files:
+        remark(f"written: {len(files)} files in {out}")
     if any(flight.diverged for flight in flights.values()):
         raise typer.Exit(1)
 
@@ -103,11 +103,11 @@ def _text(flights: dict[str, Flight], minimum: float) -> str:
     return "\n".join((scenario.title, "", table(rows), "", *notes))
 
 
-def _write(flights: dict[str, Flight], result: dict[str, Any], folder: Path) -> list[Path]:
+def _write(flights: dict[str, Flight], result: dict[str, Any], minimum: float, folder: Path) -> list[Path]:
     from detumble.show.figures import paper_figures
     from detumble.writing import write_text
 
     files = [folder / "paper.json", folder / "scenario.toml"]
     write_text(files[0], json_text(result) + "\n")
     write_text(files[1], next(iter(flights.values())).scenario.to_toml())
-    return [*files, *paper_figures(flights, folder)]
+    return [*files, *paper_figures(flights, folder, minimum)]

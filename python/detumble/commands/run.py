@@ -12,10 +12,13 @@ from detumble.commands.printing import cell, json_text, print_json, remark, tabl
 if TYPE_CHECKING:
     from detumble.flight import Flight
 
+ALWAYS_SHOWN = ("capture_time", "settling_time")
+"""That these did not happen is news; that what follows from them did not either is none."""
+
 
 def run(
     scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")],
-    more: Annotated[list[str] | None, typer.Argument(hidden=True)] = None,
+    more: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")] = None,
     law: Annotated[str, typer.Option(help="pd, lqr, sosmc, tsmc, prrl, or none for open loop.")] = "prrl",
     seed: Annotated[int, typer.Option(help="Seed of the sensor noise.")] = 0,
     settings: Annotated[
@@ -33,9 +36,9 @@ def run(
     chosen = load(scenario)
     if settings or more:
         chosen = with_settings(chosen, [*(settings or ()), *(more or ())], scenario)
-    folder = output_folder(out) if out else None
-    flight = simulate(chosen, law, seed, backend=backend)
-    files = _write(flight, folder) if folder else []
+    with output_folder(out) as folder:
+        flight = simulate(chosen, law, seed, backend=backend)
+        files = _write(flight, folder) if folder else []
     if as_json:
         print_json(_json(flight, files))
     else:
@@ -45,8 +48,6 @@ def run(
     for file in files:
         remark(f"written: {file}")
     if flight.diverged:
-        event = flight.event("diverged")
-        remark(f"diverged at {flight.metrics.diverged_time:.10g} s: {event.details['cause'] if event else ''}")
         raise typer.Exit(1)
 
 
@@ -70,7 +71,7 @@ def _text(flight: Flight) -> str:
     rows = []
     for metric in METRICS:
         value = getattr(flight.metrics, metric.name)
-        if metric.name == "diverged_time" and value is None:
+        if value is None and metric.name not in ALWAYS_SHOWN:
             continue
         shown = "  ".join(cell(element, 4) for element in value) if isinstance(value, tuple) else cell(value, 4)
         rows.append((metric.label, shown, metric.unit))
@@ -81,10 +82,12 @@ def _text(flight: Flight) -> str:
 
 
 def _write(flight: Flight, folder: Path) -> list[Path]:
+    from detumble.show.flight import flight_figure
     from detumble.writing import write_text
 
-    files = [folder / "flight.nc", folder / "scenario.toml", folder / "metrics.json"]
+    files = [folder / "flight.nc", folder / "scenario.toml", folder / "metrics.json", folder / "flight.png"]
     flight.to_netcdf(files[0])
     write_text(files[1], flight.scenario.to_toml())
     write_text(files[2], json_text(_json(flight, [])) + "\n")
+    flight_figure(flight, files[3])
     return files

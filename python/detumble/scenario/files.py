@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import os
 import re
@@ -135,11 +136,13 @@ def with_settings(scenario: Scenario, settings: Iterable[str], source: str = "")
 
 
 def _value(text: str) -> Any:
-    try:
-        read = tomllib.loads(f"value = {text}")
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError):
-        return text
-    return read["value"] if len(read) == 1 else text
+    """Read a value as TOML does, also with the bare points that TOML refuses (.5, 1.); what is no value is text."""
+    pointed = re.sub(r"(?<=\d)\.(?![\d])", ".0", re.sub(r"(?<![\w.])\.(?=\d)", "0.", text))
+    for candidate in (text, pointed):
+        with contextlib.suppress(ValueError, RecursionError):
+            read = tomllib.loads(f"value = {candidate}")
+            return read["value"] if len(read) == 1 else text
+    return text
 
 
 def _set(raw: dict[str, Any], path: str, text: str) -> Fault | None:

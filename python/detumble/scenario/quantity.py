@@ -136,7 +136,8 @@ class Quantity:
         """
         if hasattr(value, "tolist"):
             value = value.tolist()
-        if self.shape == "number" or (self.shape == "axes" and not isinstance(value, Iterable)):
+        single = isinstance(value, str) or not isinstance(value, Iterable)
+        if self.shape == "number" or (self.shape == "axes" and single):
             return self._number(value)
         if self.shape == "odd":
             if isinstance(value, bool) or not isinstance(value, int):

@@ -1,6 +1,8 @@
 //! How far the vehicle is from its goal.
 //!
-//!     e_r = r - r_des    e_v = v - v_des    q_e = q_ref* ⊗ q_C (short way round)    e_ω = ω_C - R ω_ref, in C
+//! ```text
+//! e_r = r - r_des    e_v = v - v_des    q_e = q_ref* ⊗ q_C (short way round)    e_ω = ω_C - R ω_ref, in C
+//! ```
 
 use super::guidance::Target;
 use crate::case::Motion;

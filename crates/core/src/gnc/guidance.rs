@@ -2,13 +2,15 @@
 //!
 //! Before capture the goal is fixed in H, or it is where the grasp points meet:
 //!
-//!     r_des = R_HD p_D - R_HC p_C
-//!     v_des = R_HD (ω_DH × p_D) - R_HC (ω_CH × p_C)                       ω_BH = ω_B - ω_H, seen in H
-//!     a_des = R_HD (ω_D' × p_D + …) - R_HC (…)                            see `point_acceleration`
+//! ```text
+//! r_des = R_HD p_D - R_HC p_C
+//! v_des = R_HD (ω_DH × p_D) - R_HC (ω_CH × p_C)                       ω_BH = ω_B - ω_H, seen in H
+//! a_des = R_HD (ω_D' × p_D + …) - R_HC (…)                            see `point_acceleration`
+//! ```
 //!
 //! and the attitude goal is the debris'. After capture the goal is fixed and the attitude goal is H.
 
-use crate::case::{Motion, Orbit};
+use crate::case::Motion;
 use crate::number::{Quat, Real, Vec3};
 use crate::plant::attitude::Inertia;
 use crate::plant::lvlh::Lvlh;
@@ -28,47 +30,41 @@ pub struct Target<R> {
     pub rate: Vec3<R>,
 }
 
-/// How the goal moves, the same for a whole batch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GoalKind {
-    /// Fixed in H.
-    Fixed,
-    /// Where the grasp points meet.
-    Grasp {
-        /// Compute a_des too.
-        acceleration: bool,
-    },
-}
-
-/// The goal of two separate bodies, from what is known of their motion.
+/// The goal of two separate bodies that is fixed in H.
 #[inline(always)]
-pub fn approach<R: Real>(
-    kind: GoalKind,
-    fixed: Vec3<R>,
-    grasp: &GraspPoints<R>,
-    orbit: &Orbit<R>,
-    motion: &Motion<R>,
-    time: f64,
-) -> Target<R> {
-    let mut target = Target {
-        position: fixed,
+pub fn fixed_point<R: Real>(position: Vec3<R>, motion: &Motion<R>) -> Target<R> {
+    Target {
+        position,
         velocity: Vec3::zero(),
         acceleration: Vec3::zero(),
         attitude: motion.debris_attitude,
         rate: motion.debris_rate,
-    };
-    if let GoalKind::Grasp { acceleration } = kind {
-        let lvlh = Lvlh::at(orbit, time);
-        let chaser = BodyPoint::new(&lvlh, motion.chaser_attitude, motion.chaser_rate, grasp.chaser);
-        let debris = BodyPoint::new(&lvlh, motion.debris_attitude, motion.debris_rate, grasp.debris);
-        target.position = debris.position - chaser.position;
-        target.velocity = debris.velocity() - chaser.velocity();
-        if acceleration {
-            let tumbling = grasp.debris_inertia.angular_acceleration(motion.debris_rate, Vec3::zero());
-            target.acceleration = debris.acceleration(tumbling) - chaser.acceleration(Vec3::zero());
-        }
     }
-    target
+}
+
+/// The goal of two separate bodies whose grasp points are to meet, from what is known of their motion.
+#[inline(always)]
+pub fn grasp_points<R: Real>(
+    grasp: &GraspPoints<R>,
+    motion: &Motion<R>,
+    lvlh: &Lvlh<R>,
+    with_acceleration: bool,
+) -> Target<R> {
+    let chaser = BodyPoint::new(lvlh, motion.chaser_attitude, motion.chaser_rate, grasp.chaser);
+    let debris = BodyPoint::new(lvlh, motion.debris_attitude, motion.debris_rate, grasp.debris);
+    let acceleration = if with_acceleration {
+        let tumbling = grasp.debris_inertia.angular_acceleration(motion.debris_rate, Vec3::zero());
+        debris.acceleration(tumbling) - chaser.acceleration(Vec3::zero())
+    } else {
+        Vec3::zero()
+    };
+    Target {
+        position: debris.position - chaser.position,
+        velocity: debris.velocity() - chaser.velocity(),
+        acceleration,
+        attitude: motion.debris_attitude,
+        rate: motion.debris_rate,
+    }
 }
 
 /// The goal of the stack: a fixed position, axes on H.

@@ -1,10 +1,11 @@
 //! Additive white Gaussian noise on what the laws see, drawn anew at every control tick.
 //!
-//!     r + N(0, σ_r)    v + N(0, σ_v)    q_C ⊗ [1, δ/2] normalised, δ ~ N(0, σ_q)    ω_C + N(0, σ_ω)
+//! ```text
+//! r + N(0, σ_r)    v + N(0, σ_v)    q_C ⊗ [1, δ/2] normalised, δ ~ N(0, σ_q)    ω_C + N(0, σ_ω)
+//! ```
 //!
 //! Assumptions: the debris' attitude and rate are seen without noise; no bias, no delay.
-//! Each quantity has random numbers of its own (Philox blocks 0 to 2), so switching one sensor's noise off leaves
-//! the others' draws as they were. Only noise that is used is drawn.
+//! Each quantity has random numbers of its own, so switching one sensor's noise off leaves the others' draws as they were.
 
 use crate::case::{Motion, NoiseSigmas};
 use crate::number::{Quat, Real, Stream, Vec3};
@@ -53,34 +54,32 @@ pub fn sense<R: Real>(
     dice: &Stream<R>,
     tick: u32,
 ) -> Motion<R> {
-    let mut seen = *truth;
-    let Noisy { position, velocity, attitude, rate } = noisy;
-    // Twelve normals in three blocks: position 0–2, attitude 3–5, rate 6–8, velocity 9–11.
-    let block = |used: bool, number| if used { dice.normals(tick, number) } else { [R::zero(); 4] };
-    let first = block(position || attitude, 0);
-    let second = block(attitude || rate, 1);
-    let third = if velocity {
-        dice.normals(tick, 2)
-    } else if rate {
-        let [a, b] = dice.normal_pair(tick, 2);
-        [a, b, R::zero(), R::zero()]
-    } else {
-        [R::zero(); 4]
-    };
-
-    if position {
-        seen.position += Vec3([first[0], first[1], first[2]]) * sigmas.position;
+    // Twelve normals a tick: position 0–2, attitude 3–5, rate 6–8, velocity 9–11; none drawn beyond the last in use.
+    let mut normals = [[R::zero(); 2]; 6];
+    if noisy.velocity {
+        normals = dice.normal_pairs::<6>(tick);
+    } else if noisy.rate {
+        normals[..5].copy_from_slice(&dice.normal_pairs::<5>(tick));
+    } else if noisy.attitude {
+        normals[..3].copy_from_slice(&dice.normal_pairs::<3>(tick));
+    } else if noisy.position {
+        normals[..2].copy_from_slice(&dice.normal_pairs::<2>(tick));
     }
-    if attitude {
-        let half_angle = Vec3([first[3], second[0], second[1]]) * (sigmas.attitude * R::splat(0.5));
-        let [x, y, z] = half_angle.0;
+    let [[x, y], [z, a], [b, c], [p, q], [r, u], [v, w]] = normals;
+
+    let mut seen = *truth;
+    if noisy.position {
+        seen.position += Vec3([x, y, z]) * sigmas.position;
+    }
+    if noisy.attitude {
+        let [x, y, z] = (Vec3([a, b, c]) * (sigmas.attitude * R::splat(0.5))).0;
         seen.chaser_attitude = (truth.chaser_attitude * Quat([R::one(), x, y, z])).normalized();
     }
-    if rate {
-        seen.chaser_rate += Vec3([second[2], second[3], third[0]]) * sigmas.rate;
+    if noisy.rate {
+        seen.chaser_rate += Vec3([p, q, r]) * sigmas.rate;
     }
-    if velocity {
-        seen.velocity += Vec3([third[1], third[2], third[3]]) * sigmas.velocity;
+    if noisy.velocity {
+        seen.velocity += Vec3([u, v, w]) * sigmas.velocity;
     }
     seen
 }

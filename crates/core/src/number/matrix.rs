@@ -86,6 +86,12 @@ impl<R: Real> Mat3<R> {
         let last = self.row(1).mul_add(Vec3::splat(v[1]), last);
         self.row(0).mul_add(Vec3::splat(v[0]), last)
     }
+    /// The diagonal.
+    #[inline(always)]
+    pub fn diagonal_part(self) -> Vec3<R> {
+        Vec3([self.0[0][0], self.0[1][1], self.0[2][2]])
+    }
+
     /// Sum of the diagonal.
     #[inline(always)]
     pub fn trace(self) -> R {
@@ -134,6 +140,14 @@ impl<R: Real> Sub for Mat3<R> {
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
         rows!(I => (self.row(I) - other.row(I)))
+    }
+}
+
+impl Mat3<f64> {
+    /// Whether everything off the diagonal is zero.
+    pub fn is_diagonal(&self) -> bool {
+        let m = self.0;
+        [m[0][1], m[0][2], m[1][0], m[1][2], m[2][0], m[2][1]] == [0.0; 6]
     }
 }
 

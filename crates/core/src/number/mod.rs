@@ -14,6 +14,7 @@
 
 mod dispatch;
 mod elementary;
+mod group;
 mod matrix;
 mod philox;
 mod quaternion;

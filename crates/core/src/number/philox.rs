@@ -10,6 +10,7 @@
 //! The result of a trajectory is therefore the same whatever lane, thread, batch or back end it flies in.
 
 use super::elementary::ln_of_normal;
+use super::group::Group;
 use super::real::{Bits, Real};
 
 /// 2^-32, the spacing of the uniform numbers.
@@ -48,20 +49,33 @@ impl<R: Real> Stream<R> {
         [midpoint(a), midpoint(b), midpoint(c), midpoint(d)]
     }
 
-    /// Four independent standard normal numbers, |x| < 6.77.
+    /// Four independent standard normal numbers, |x| < 6.77: the first two from words 0 and 1, the others from 2 and 3.
     #[inline(always)]
     pub fn normals(&self, step: u32, block: u32) -> [R; 4] {
         let [a, b, c, d] = self.words(step, block);
-        let [x, y] = box_muller(a, b);
-        let [z, w] = box_muller(c, d);
-        [x, y, z, w]
+        let [x, y] = box_muller::<Group<R, 2>>(Group([a, c]), Group([b, d]));
+        [x.0[0], y.0[0], x.0[1], y.0[1]]
     }
 
-    /// The first two of [`Stream::normals`], at half the cost of the transformation.
+    /// The first 4 `PAIRS`/2 of [`Stream::normals`] of blocks 0, 1, 2 in a row, two by two, for up to six pairs; all at once.
     #[inline(always)]
-    pub fn normal_pair(&self, step: u32, block: u32) -> [R; 2] {
-        let [a, b, _, _] = self.words(step, block);
-        box_muller(a, b)
+    pub fn normal_pairs<const PAIRS: usize>(&self, step: u32) -> [[R; 2]; PAIRS] {
+        const { assert!(PAIRS <= 6) };
+        let mut words = [[R::Bits::splat(0); 4]; 3];
+        for block in 0..PAIRS.div_ceil(2) {
+            words[block] = self.words(step, block as u32);
+        }
+        let (mut first, mut second) = ([R::Bits::splat(0); PAIRS], [R::Bits::splat(0); PAIRS]);
+        for i in 0..PAIRS {
+            first[i] = words[i / 2][2 * (i % 2)];
+            second[i] = words[i / 2][2 * (i % 2) + 1];
+        }
+        let [x, y] = box_muller::<Group<R, PAIRS>>(Group(first), Group(second));
+        let mut pairs = [[R::zero(); 2]; PAIRS];
+        for i in 0..PAIRS {
+            pairs[i] = [x.0[i], y.0[i]];
+        }
+        pairs
     }
 }
 

@@ -5,6 +5,8 @@ use core::ops::{Add, AddAssign, BitAnd, BitOr, BitXor, Div, Mul, MulAssign, Neg,
 
 /// One truth value per lane.
 pub trait Mask: Copy + 'static + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// Truth values held side by side.
+    const LANES: usize;
     /// The same value in every lane.
     fn splat(value: bool) -> Self;
     /// Whether at least one lane holds.
@@ -25,6 +27,8 @@ pub trait Bits:
     + BitOr<Output = Self>
     + BitXor<Output = Self>
 {
+    /// Integers held side by side.
+    const LANES: usize;
     /// The same integer in every lane.
     fn splat(value: u64) -> Self;
     /// Lane `i` holds `f(i)`.

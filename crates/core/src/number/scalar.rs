@@ -4,6 +4,7 @@ use super::real::{Bits, Mask, Real};
 use core::num::Wrapping;
 
 impl Mask for bool {
+    const LANES: usize = 1;
     #[inline(always)]
     fn splat(value: bool) -> Self {
         value
@@ -23,6 +24,7 @@ impl Mask for bool {
 }
 
 impl Bits for Wrapping<u64> {
+    const LANES: usize = 1;
     #[inline(always)]
     fn splat(value: u64) -> Self {
         Wrapping(value)

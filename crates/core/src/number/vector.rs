@@ -1,5 +1,6 @@
 //! [`Vec3`]: three components in some frame.
 
+use super::group::Group;
 use super::matrix::Mat3;
 use super::real::Real;
 use core::ops::{Add, AddAssign, Div, Index, Mul, Neg, Sub, SubAssign};
@@ -114,7 +115,7 @@ impl<R: Real> Vec3<R> {
     /// Each component to the power `exponent`; see [`Real::powf`].
     #[inline(always)]
     pub fn powf(self, exponent: R) -> Self {
-        each!(I => self[I].powf(exponent))
+        Self(Group(self.0).powf(Group([exponent; 3])).0)
     }
     /// -1, 0 or 1 with the sign of each component; see [`Real::signum0`].
     #[inline(always)]

@@ -77,6 +77,7 @@ macro_rules! lanes {
         }
 
         impl Bits for $bits {
+            const LANES: usize = $lanes;
             #[inline(always)]
             fn splat(value: u64) -> Self {
                 Self(on_cpu!($set1_int(value as i64)))
@@ -229,6 +230,7 @@ impl Not for Mask4 {
 }
 
 impl Mask for Mask4 {
+    const LANES: usize = 4;
     #[inline(always)]
     fn splat(value: bool) -> Self {
         Self(F64x4::splat(if value { -0.0 } else { 0.0 }).0)
@@ -287,6 +289,7 @@ impl Not for Mask8 {
 }
 
 impl Mask for Mask8 {
+    const LANES: usize = 8;
     #[inline(always)]
     fn splat(value: bool) -> Self {
         Self(if value { u8::MAX } else { 0 })

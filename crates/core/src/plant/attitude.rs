@@ -1,10 +1,27 @@
 //! Rotation of a rigid body.
 //!
-//!     I ω' + ω × (I ω) = τ        body axes, full inertia tensor
-//!     q' = ½ q ⊗ [0, ω]           q: body -> N, scalar first
+//! ```text
+//! I ω' + ω × (I ω) = τ        body axes, full inertia tensor
+//! q' = ½ q ⊗ [0, ω]           q: body -> N, scalar first
+//! ```
 //!
+//! One step of length h, of fourth order. The angular momentum L = I ω goes through RK4,
+//!
+//! ```text
+//! L' = τ - ω × L,   ω = I⁻¹ L
+//! ```
+//!
+//! and the attitude follows by the Magnus expansion of the same order, the integral of ω by the corrected trapezoidal rule:
+//!
+//! ```text
+//! φ = h/2 (ω0 + ω1) + h²/12 I⁻¹ (L0' - L1') + h²/12 ω0 × ω1
+//! q1 = q0 ⊗ [cos |φ|/2, sin(|φ|/2) φ/|φ|]
+//! ```
+//!
+//! This is cheaper than RK4 on the quaternion, more accurate, and keeps its norm.
 //! Assumptions: rigid; constant inertia; torque constant in body axes over a step.
-//! Source: Schaub & Junkins, *Analytical Mechanics of Space Systems*, ch. 3 and 4.
+//! Source: Schaub & Junkins, *Analytical Mechanics of Space Systems*, ch. 3 and 4; Iserles et al., *Lie-group methods*,
+//! Acta Numerica 2000, §4.
 
 use super::rk4::{Dynamics, rk4_step};
 use crate::batch_struct;
@@ -34,6 +51,42 @@ impl<R: Real> Inertia<R> {
     }
 }
 
+/// A body that turns ω into L and back.
+pub trait RigidBody<R: Real> {
+    /// L = I ω \[N m s\].
+    fn momentum(&self, rate: Vec3<R>) -> Vec3<R>;
+    /// ω = I⁻¹ L \[rad/s\].
+    fn rate(&self, momentum: Vec3<R>) -> Vec3<R>;
+}
+
+impl<R: Real> RigidBody<R> for Inertia<R> {
+    #[inline(always)]
+    fn momentum(&self, rate: Vec3<R>) -> Vec3<R> {
+        self.tensor * rate
+    }
+
+    #[inline(always)]
+    fn rate(&self, momentum: Vec3<R>) -> Vec3<R> {
+        self.inverse * momentum
+    }
+}
+
+/// A body whose axes are its principal axes in every lane: the same results, since the products left out are zeros,
+/// for a third of the multiplications.
+pub struct Principal<'a, R>(pub &'a Inertia<R>);
+
+impl<R: Real> RigidBody<R> for Principal<'_, R> {
+    #[inline(always)]
+    fn momentum(&self, rate: Vec3<R>) -> Vec3<R> {
+        self.0.tensor.diagonal_part() * rate
+    }
+
+    #[inline(always)]
+    fn rate(&self, momentum: Vec3<R>) -> Vec3<R> {
+        self.0.inverse.diagonal_part() * momentum
+    }
+}
+
 /// Attitude (body -> N) and rate \[rad/s, body axes\] of one body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spin<R> {
@@ -43,61 +96,68 @@ pub struct Spin<R> {
     pub rate: Vec3<R>,
 }
 
-impl<R: Real> Spin<R> {
-    /// state + time · rate, component by component.
-    #[inline(always)]
-    pub fn advance(&self, time: R, rate: &Self) -> Self {
-        let mut attitude = self.attitude;
-        for i in 0..4 {
-            attitude.0[i] = time.mul_add(rate.attitude.0[i], attitude.0[i]);
-        }
-        Self { attitude, rate: Vec3::splat(time).mul_add(rate.rate, self.rate) }
-    }
-
-    /// q' and ω' under a torque in body axes \[N m\].
-    #[inline(always)]
-    pub fn derivative(&self, inertia: &Inertia<R>, torque: Vec3<R>) -> Self {
-        let half_rate = self.rate * R::splat(0.5);
-        Self { attitude: self.attitude.times_pure(half_rate), rate: inertia.angular_acceleration(self.rate, torque) }
-    }
-
-    /// Back to unit norm by one Newton step of 1/√x about 1: exact to the square of the drift of a single integration
-    /// step, without root or division.
-    #[inline(always)]
-    pub fn renormalized(self) -> Self {
-        let q = self.attitude;
-        let norm_squared = q.0[0].mul_add(q.0[0], q.vector().norm_squared());
-        let scale = R::splat(-0.5).mul_add(norm_squared, R::splat(1.5));
-        let mut attitude = q;
-        for i in 0..4 {
-            attitude.0[i] = q.0[i] * scale;
-        }
-        Self { attitude, rate: self.rate }
-    }
-}
-
-/// A body under a torque held in body axes.
-struct HeldTorque<'a, R> {
-    inertia: &'a Inertia<R>,
+/// L' of a body under a torque held in body axes.
+struct HeldTorque<'a, R, B> {
+    body: &'a B,
     torque: Vec3<R>,
 }
 
-impl<R: Real> Dynamics<R> for HeldTorque<'_, R> {
-    type State = Spin<R>;
-
+impl<R: Real, B: RigidBody<R>> HeldTorque<'_, R, B> {
     #[inline(always)]
-    fn rate(&self, _fraction: f64, spin: &Spin<R>) -> Spin<R> {
-        spin.derivative(self.inertia, self.torque)
-    }
-
-    #[inline(always)]
-    fn advance(spin: &Spin<R>, time: R, rate: &Spin<R>) -> Spin<R> {
-        spin.advance(time, rate)
+    fn momentum_rate(&self, rate: Vec3<R>, momentum: Vec3<R>) -> Vec3<R> {
+        let ([wx, wy, wz], [lx, ly, lz], [x, y, z]) = (rate.0, momentum.0, self.torque.0);
+        Vec3([
+            wz.mul_add(ly, (-wy).mul_add(lz, x)),
+            wx.mul_add(lz, (-wz).mul_add(lx, y)),
+            wy.mul_add(lx, (-wx).mul_add(ly, z)),
+        ])
     }
 }
 
-/// One RK4 step of length `h` \[s\] under a torque held in body axes \[N m\].
+impl<R: Real, B: RigidBody<R>> Dynamics<R> for HeldTorque<'_, R, B> {
+    type State = Vec3<R>;
+
+    #[inline(always)]
+    fn rate(&self, _fraction: f64, momentum: &Vec3<R>) -> Vec3<R> {
+        self.momentum_rate(self.body.rate(*momentum), *momentum)
+    }
+
+    #[inline(always)]
+    fn advance(momentum: &Vec3<R>, time: R, rate: &Vec3<R>) -> Vec3<R> {
+        Vec3::splat(time).mul_add(*rate, *momentum)
+    }
+}
+
+/// One step of length `h` \[s\] under a torque held in body axes \[N m\].
 #[inline(always)]
-pub fn spin_step<R: Real>(inertia: &Inertia<R>, spin: &Spin<R>, torque: Vec3<R>, h: R) -> Spin<R> {
-    rk4_step(&HeldTorque { inertia, torque }, spin, h).renormalized()
+pub fn spin_step<R: Real, B: RigidBody<R>>(body: &B, spin: &Spin<R>, torque: Vec3<R>, h: R) -> Spin<R> {
+    let dynamics = HeldTorque { body, torque };
+    let momentum = body.momentum(spin.rate);
+    let new_momentum = rk4_step(&dynamics, &momentum, h);
+    let new_rate = body.rate(new_momentum);
+
+    let bend = dynamics.momentum_rate(spin.rate, momentum) - dynamics.momentum_rate(new_rate, new_momentum);
+    let twelfth = Vec3::splat(h * h * R::splat(1.0 / 12.0));
+    let curved = twelfth * (body.rate(bend) + spin.rate.cross(new_rate));
+    let turn = Vec3::splat(h * R::splat(0.5)).mul_add(spin.rate + new_rate, curved);
+    Spin { attitude: renormalized(spin.attitude * small_rotation(turn)), rate: new_rate }
+}
+
+/// The rotation by a vector of which the powers left out, (|φ|/2)⁹/9! and beyond, are far below the error of the step.
+#[inline(always)]
+fn small_rotation<R: Real>(turn: Vec3<R>) -> Quat<R> {
+    let half = turn * R::splat(0.5);
+    let x = half.norm_squared();
+    let k = R::splat;
+    let sine = x.mul_add(x.mul_add(x.mul_add(k(-1.0 / 5040.0), k(1.0 / 120.0)), k(-1.0 / 6.0)), k(1.0));
+    let cosine = x.mul_add(k(1.0 / 40320.0), k(-1.0 / 720.0));
+    let cosine = x.mul_add(x.mul_add(x.mul_add(cosine, k(1.0 / 24.0)), k(-0.5)), k(1.0));
+    Quat::from_parts(cosine, half * sine)
+}
+
+/// Back to unit norm by one Newton step of 1/√x about 1, exact to the square of the error: round-off, unless the body
+/// turns a large part of a radian in a step.
+#[inline(always)]
+pub fn renormalized<R: Real>(q: Quat<R>) -> Quat<R> {
+    q.scale(R::splat(-0.5).mul_add(q.norm_squared(), R::splat(1.5)))
 }

@@ -1,6 +1,8 @@
 //! The target orbit's frame H: x radial out, y along-track, z along the orbit normal, turning at n about z.
 //!
-//!     q_HN(t) = q_HN(0) ⊗ [cos(nt/2), 0, 0, sin(nt/2)]
+//! ```text
+//! q_HN(t) = q_HN(0) ⊗ [cos(nt/2), 0, 0, sin(nt/2)]
+//! ```
 
 use crate::case::Orbit;
 use crate::number::{Quat, Real, Vec3};

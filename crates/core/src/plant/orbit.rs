@@ -1,8 +1,10 @@
 //! Relative translation near a circular orbit (Hill–Clohessy–Wiltshire), in H: x radial out, y along-track, z normal.
 //!
-//!     x'' - 2 n y' - 3 n² x = a_x
-//!     y'' + 2 n x'          = a_y
-//!     z'' + n² z            = a_z
+//! ```text
+//! x'' - 2 n y' - 3 n² x = a_x
+//! y'' + 2 n x'          = a_y
+//! z'' + n² z            = a_z
+//! ```
 //!
 //! Assumptions: circular target orbit, point-mass gravity, separation small against the orbit's radius (the error
 //! grows with its square: 12 µm at 10 m, 1.2 mm at 100 m after 600 s in low Earth orbit), acceleration held in H.

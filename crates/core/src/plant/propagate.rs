@@ -1,17 +1,17 @@
 //! Both bodies over one control period.
 //!
 //! - Held wrench (every closed loop): force held in H, torque held in body axes. Translation is then exact
-//!   ([`HeldStep`]); rotation is RK4 with the integration step.
+//!   ([`HeldStep`]); rotation is [`spin_step`].
 //! - Open-loop wrench in one frame: given and held in H or in the chaser's body axes. Translation and rotation are
 //!   coupled through the frame, so all thirteen states go through RK4 together.
 
-use super::attitude::{Inertia, Spin, spin_step};
+use super::attitude::{Inertia, Principal, RigidBody, Spin, renormalized, spin_step};
 use super::lvlh::Lvlh;
 use super::orbit::{HeldStep, natural_acceleration};
 use super::rk4::{Dynamics, rk4_step};
 use crate::batch_struct;
 use crate::case::{Motion, Orbit};
-use crate::number::{Real, Vec3};
+use crate::number::{Quat, Real, Vec3};
 
 batch_struct! {
     /// A force \[N\] and a torque \[N m\].
@@ -59,39 +59,67 @@ batch_struct! {
     pub struct Vehicle<R> {
         /// \[kg\]
         pub mass: R,
+        /// \[1/kg\]
+        pub inverse_mass: R,
         /// About its centre of mass, C axes.
         pub inertia: Inertia<R>,
     }
 }
 
-/// Both bodies after one control period that begins at `time`, cut into `steps` of `step` \[s\].
+impl<R: Real> Vehicle<R> {
+    /// From mass \[kg\] and inertia.
+    #[inline(always)]
+    pub fn new(mass: R, inertia: Inertia<R>) -> Self {
+        Self { mass, inverse_mass: R::one() / mass, inertia }
+    }
+}
+
+/// One control period, as the propagation sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Period {
+    /// Begin \[s\].
+    pub time: f64,
+    /// Integration step \[s\].
+    pub step: f64,
+    /// Steps in the period.
+    pub steps: u32,
+    /// Both bodies' inertias are diagonal in every lane.
+    pub principal_axes: bool,
+}
+
+/// Moves both bodies over one control period.
 #[inline(always)]
 pub fn propagate<R: Real>(
     around: &Surroundings<R>,
     vehicle: &Vehicle<R>,
-    mut motion: Motion<R>,
+    motion: &mut Motion<R>,
     wrench: &Wrench<R>,
     frame: WrenchFrame,
-    (time, step, steps): (f64, f64, u32),
-) -> Motion<R> {
-    let h = R::splat(step);
-    match frame {
-        WrenchFrame::Command => {
-            let acceleration = wrench.force * (R::one() / vehicle.mass);
-            for _ in 0..steps {
-                (motion.position, motion.velocity) =
-                    around.translation.advance(motion.position, motion.velocity, acceleration);
-                motion.set_chaser(spin_step(&vehicle.inertia, &motion.chaser(), wrench.torque, h));
-                motion.set_debris(spin_step(&around.debris, &motion.debris(), Vec3::zero(), h));
-            }
+    period: &Period,
+) {
+    let Period { time, step, steps, principal_axes } = *period;
+    if frame != WrenchFrame::Command {
+        for i in 0..steps {
+            coupled_step(around, vehicle, motion, wrench, frame, (time + f64::from(i) * step, step));
         }
-        WrenchFrame::Lvlh | WrenchFrame::Body => {
-            for i in 0..steps {
-                motion = coupled_step(around, vehicle, motion, wrench, frame, (time + f64::from(i) * step, step));
-            }
+        return;
+    }
+    let acceleration = wrench.force * vehicle.inverse_mass;
+    for _ in 0..steps {
+        (motion.position, motion.velocity) = around.translation.advance(motion.position, motion.velocity, acceleration);
+        if principal_axes {
+            spin_both(&Principal(&vehicle.inertia), &Principal(&around.debris), motion, wrench.torque, step);
+        } else {
+            spin_both(&vehicle.inertia, &around.debris, motion, wrench.torque, step);
         }
     }
-    motion
+}
+
+#[inline(always)]
+fn spin_both<R: Real, B: RigidBody<R>>(vehicle: &B, debris: &B, motion: &mut Motion<R>, torque: Vec3<R>, step: f64) {
+    let h = R::splat(step);
+    motion.set_chaser(spin_step(vehicle, &motion.chaser(), torque, h));
+    motion.set_debris(spin_step(debris, &motion.debris(), Vec3::zero(), h));
 }
 
 impl<R: Real> Motion<R> {
@@ -118,7 +146,7 @@ impl<R: Real> Motion<R> {
     }
 }
 
-/// Position, velocity and spin of the vehicle, whose force or torque turns with it or with H.
+/// The vehicle under a wrench whose force or torque turns with it or with H.
 struct OpenLoop<'a, R> {
     orbit: &'a Orbit<R>,
     vehicle: &'a Vehicle<R>,
@@ -132,7 +160,8 @@ struct OpenLoop<'a, R> {
 struct Coupled<R> {
     position: Vec3<R>,
     velocity: Vec3<R>,
-    spin: Spin<R>,
+    attitude: Quat<R>,
+    rate: Vec3<R>,
 }
 
 impl<R: Real> Dynamics<R> for OpenLoop<'_, R> {
@@ -141,7 +170,7 @@ impl<R: Real> Dynamics<R> for OpenLoop<'_, R> {
     #[inline(always)]
     fn rate(&self, fraction: f64, state: &Coupled<R>) -> Coupled<R> {
         let lvlh = Lvlh::at(self.orbit, self.time + fraction * self.step);
-        let chaser_to_lvlh = lvlh.attitude.conjugate() * state.spin.attitude;
+        let chaser_to_lvlh = lvlh.attitude.conjugate() * state.attitude;
         let (force, torque) = if self.body_frame {
             (chaser_to_lvlh.rotate(self.wrench.force), self.wrench.torque)
         } else {
@@ -150,17 +179,24 @@ impl<R: Real> Dynamics<R> for OpenLoop<'_, R> {
         Coupled {
             position: state.velocity,
             velocity: natural_acceleration(self.orbit.mean_motion, state.position, state.velocity)
-                + force * (R::one() / self.vehicle.mass),
-            spin: state.spin.derivative(&self.vehicle.inertia, torque),
+                + force * self.vehicle.inverse_mass,
+            attitude: state.attitude.times_pure(state.rate * R::splat(0.5)),
+            rate: self.vehicle.inertia.angular_acceleration(state.rate, torque),
         }
     }
 
     #[inline(always)]
     fn advance(state: &Coupled<R>, time: R, rate: &Coupled<R>) -> Coupled<R> {
+        let along = Vec3::splat(time);
+        let mut attitude = state.attitude;
+        for i in 0..4 {
+            attitude.0[i] = time.mul_add(rate.attitude.0[i], attitude.0[i]);
+        }
         Coupled {
-            position: Vec3::splat(time).mul_add(rate.position, state.position),
-            velocity: Vec3::splat(time).mul_add(rate.velocity, state.velocity),
-            spin: state.spin.advance(time, &rate.spin),
+            position: along.mul_add(rate.position, state.position),
+            velocity: along.mul_add(rate.velocity, state.velocity),
+            attitude,
+            rate: along.mul_add(rate.rate, state.rate),
         }
     }
 }
@@ -170,17 +206,21 @@ impl<R: Real> Dynamics<R> for OpenLoop<'_, R> {
 fn coupled_step<R: Real>(
     around: &Surroundings<R>,
     vehicle: &Vehicle<R>,
-    mut motion: Motion<R>,
+    motion: &mut Motion<R>,
     wrench: &Wrench<R>,
     frame: WrenchFrame,
     (time, step): (f64, f64),
-) -> Motion<R> {
+) {
     let body_frame = frame == WrenchFrame::Body;
     let dynamics = OpenLoop { orbit: &around.orbit, vehicle, wrench, body_frame, time, step };
-    let state = Coupled { position: motion.position, velocity: motion.velocity, spin: motion.chaser() };
+    let state = Coupled {
+        position: motion.position,
+        velocity: motion.velocity,
+        attitude: motion.chaser_attitude,
+        rate: motion.chaser_rate,
+    };
     let after = rk4_step(&dynamics, &state, R::splat(step));
     (motion.position, motion.velocity) = (after.position, after.velocity);
-    motion.set_chaser(after.spin.renormalized());
+    (motion.chaser_attitude, motion.chaser_rate) = (renormalized(after.attitude), after.rate);
     motion.set_debris(spin_step(&around.debris, &motion.debris(), Vec3::zero(), R::splat(step)));
-    motion
 }

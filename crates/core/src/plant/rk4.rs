@@ -1,8 +1,10 @@
 //! The classical Runge–Kutta method of fourth order, fixed step.
 //!
-//!     k1 = f(t, y)                 k2 = f(t + h/2, y + h/2 k1)
-//!     k3 = f(t + h/2, y + h/2 k2)  k4 = f(t + h, y + h k3)
-//!     y(t + h) = y + h (k1 + 2 k2 + 2 k3 + k4) / 6
+//! ```text
+//! k1 = f(t, y)                 k2 = f(t + h/2, y + h/2 k1)
+//! k3 = f(t + h/2, y + h/2 k2)  k4 = f(t + h, y + h k3)
+//! y(t + h) = y + h (k1 + 2 k2 + 2 k3 + k4) / 6
+//! ```
 //!
 //! Source: Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, §II.1.
 

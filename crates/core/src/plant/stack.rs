@@ -6,9 +6,11 @@
 //! `momentum_conserving`, a rigid, perfectly inelastic merge. With d = r in C, d' = (v + ω_H × r) in C, R = D -> C and the
 //! reduced mass μ = m_c m_d / (m_c + m_d):
 //!
-//!     I_S = I_c + R I_d Rᵀ + μ (|d|² 1 - d dᵀ)
-//!     h   = I_c ω_c + R I_d ω_d + μ d × d'          about the common centre of mass, non-rotating axes
-//!     ω_S = I_S⁻¹ h,   r_S = m_c r / (m_c + m_d),   v_S likewise (the debris rests at H's origin)
+//! ```text
+//! I_S = I_c + R I_d Rᵀ + μ (|d|² 1 - d dᵀ)
+//! h   = I_c ω_c + R I_d ω_d + μ d × d'          about the common centre of mass, non-rotating axes
+//! ω_S = I_S⁻¹ h,   r_S = m_c r / (m_c + m_d),   v_S likewise (the debris rests at H's origin)
+//! ```
 //!
 //! Stack axes are the chaser's. Source: parallel-axis theorem and momentum balance, e.g. Schaub & Junkins, ch. 2 and 4.
 
@@ -30,7 +32,7 @@ pub struct Stack<R> {
 /// The paper's transition.
 pub fn merge_approximate<R: Real>(chaser: &Body<R>, debris: &Body<R>, motion: &Motion<R>) -> Stack<R> {
     Stack {
-        vehicle: Vehicle { mass: chaser.mass + debris.mass, inertia: Inertia::new(chaser.inertia + debris.inertia) },
+        vehicle: Vehicle::new(chaser.mass + debris.mass, Inertia::new(chaser.inertia + debris.inertia)),
         motion: *motion,
     }
 }
@@ -58,7 +60,7 @@ pub fn merge_conserving<R: Real>(chaser: &Body<R>, debris: &Body<R>, motion: &Mo
     merged.position = motion.position * share;
     merged.velocity = motion.velocity * share;
     merged.chaser_rate = inertia.inverse * momentum;
-    Stack { vehicle: Vehicle { mass, inertia }, motion: merged }
+    Stack { vehicle: Vehicle::new(mass, inertia), motion: merged }
 }
 
 /// Symmetric to the last bit: R I Rᵀ is so only to round-off.

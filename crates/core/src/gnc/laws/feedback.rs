@@ -1,6 +1,8 @@
 //! Linear feedback of error and rate.
 //!
-//!     u = -K_e e - K_r r
+//! ```text
+//! u = -K_e e - K_r r
+//! ```
 
 use crate::batch_struct;
 use crate::number::{Mat3, Real, Vec3};

@@ -1,7 +1,9 @@
 //! LQR (Eng. Proc. 2026, 121(1), 25, §3.2): continuous algebraic Riccati equation, Q = diag(q_e, q_r), R = r 1.
 //!
-//!     translation   x = [e_r; e_v] on the full HCW matrix, input acceleration        U = -m K x
-//!     rotation      x = [ε; rate],  ε' = e_ω/2,  I e_ω' = τ                          τ = -K x
+//! ```text
+//! translation   x = [e_r; e_v] on the full HCW matrix, input acceleration        U = -m K x
+//! rotation      x = [ε; rate],  ε' = e_ω/2,  I e_ω' = τ                          τ = -K x
+//! ```
 //!
 //! With the attitude error 2 ε the model is (2ε)' = e_ω. The rate is ω before and e_ω after capture as printed, e_ω
 //! throughout as corrected.

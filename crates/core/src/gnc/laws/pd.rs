@@ -1,8 +1,10 @@
 //! PD (Eng. Proc. 2026, 121(1), 25, §3.1).
 //!
-//!     U = -Kp e_r - Kd e_v
-//!     τ = -Kp ε - Kd ω        printed: the body's own rate, so a tumbling target is followed with a lag 2 asin(Kd ω/Kp)
-//!     τ = -Kp ε - Kd e_ω      corrected
+//! ```text
+//! U = -Kp e_r - Kd e_v
+//! τ = -Kp ε - Kd ω        printed: the body's own rate, so a tumbling target is followed with a lag 2 asin(Kd ω/Kp)
+//! τ = -Kp ε - Kd e_ω      corrected
+//! ```
 
 use super::{Channel, Form, LinearFeedback, PhaseGains};
 use crate::number::{Mat3, Vec3};

@@ -1,12 +1,14 @@
 //! PRRL-SMC (Eng. Proc. 2026, 121(1), 25, §3.5): linear surface, power rate reaching law, full compensation.
 //!
-//!     s = e_v + Λ e_r     U = m (-A(r, v) - Λ e_v - K |s|^α sat(s/φ))
-//!     s = e_ω + Λ ε       τ = I (-Λ e_ω - K |s|^α sat(s/φ)) + ω × (I ω)
+//! ```text
+//! s = e_v + Λ e_r     U = m (-A(r, v) - Λ e_v - K |s|^α sat(s/φ))
+//! s = e_ω + Λ ε       τ = I (-Λ e_ω - K |s|^α sat(s/φ)) + ω × (I ω)
+//! ```
 //!
 //! Printed and corrected differ inside the boundary layer, see [`super::reaching`]. As printed, -Λ e_ω stands for the
 //! rate of Λ ε, which is close to Λ e_ω/2; `exact_surface_rate` puts the true one there.
 
-use super::reaching::Reaching;
+use super::reaching::{Reaching, Shape};
 use super::sliding::{Compensation, SurfaceRate};
 use super::surface::Surface;
 use super::{Channel, Form, PhaseGains, Setting, SlidingMode};
@@ -32,7 +34,7 @@ pub fn channels(gains: &PhaseGains<Gains>, form: Form, setting: &Setting) -> (Ch
     let channel = |gains: &Gains, natural, gyroscopic| {
         Channel::Sliding(SlidingMode {
             surface: Surface::Linear { slope: gains.slope },
-            reaching: Reaching::PowerRate { gain: gains.gain, exponent: gains.alpha, layer: gains.layer, inside: form },
+            reaching: Reaching::new(gains.gain, gains.layer, Shape::PowerRate { exponent: gains.alpha, inside: form }),
             compensation: Compensation { natural, surface_rate, gyroscopic },
         })
     };

@@ -1,11 +1,15 @@
 //! The continuous algebraic Riccati equation of a second-order system, by Newton's method (Kleinman 1968).
 //!
-//!     x = [e; v],  e' = c v,  v' = S e + D v + B u
-//!     AᵀP + P A - P B R⁻¹ Bᵀ P + Q = 0,   K = R⁻¹ Bᵀ P,   u = -K x
+//! ```text
+//! x = [e; v],  e' = c v,  v' = S e + D v + B u
+//! AᵀP + P A - P B R⁻¹ Bᵀ P + Q = 0,   K = R⁻¹ Bᵀ P,   u = -K x
+//! ```
 //!
 //! Each step solves a Lyapunov equation for the closed loop of the last gain,
 //!
-//!     (A - B K)ᵀ P + P (A - B K) = -(Q + Kᵀ R K),
+//! ```text
+//! (A - B K)ᵀ P + P (A - B K) = -(Q + Kᵀ R K),
+//! ```
 //!
 //! and from any stabilising gain the steps converge to the solution monotonically, in the end quadratically. A gain
 //! that cancels S and D and makes three damped oscillators of the rest is stabilising, whatever the system.

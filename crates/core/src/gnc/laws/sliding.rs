@@ -1,6 +1,8 @@
 //! Sliding mode control put together from its parts.
 //!
-//!     acceleration = (reaching law)(s) - (compensation of the surface's own rate),     s = surface(error, rate)
+//! ```text
+//! acceleration = (reaching law)(s) - (compensation of the surface's own rate),     s = surface(error, rate)
+//! ```
 //!
 //! The channel then takes off the natural acceleration and adds the gyroscopic torque, as the [`Compensation`] says.
 

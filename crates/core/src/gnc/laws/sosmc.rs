@@ -1,10 +1,12 @@
 //! SOSMC (Eng. Proc. 2026, 121(1), 25, §3.3): linear surface, constant-plus-proportional reaching law. Despite its name
 //! it is of first order. It compensates neither orbit nor the surface's own rate, in either form.
 //!
-//!     s = e_v + c e_r     U = m (-K sat(s/φ) - α s)
-//!     s = e_ω + c ε       τ = I (-K sat(s/φ) - α s) ∓ ω × (I ω)      printed: minus; corrected: plus, which cancels
+//! ```text
+//! s = e_v + c e_r     U = m (-K sat(s/φ) - α s)
+//! s = e_ω + c ε       τ = I (-K sat(s/φ) - α s) ∓ ω × (I ω)      printed: minus; corrected: plus, which cancels
+//! ```
 
-use super::reaching::Reaching;
+use super::reaching::{Reaching, Shape};
 use super::sliding::{Compensation, SurfaceRate};
 use super::surface::Surface;
 use super::{Channel, Form, PhaseGains, SlidingMode};
@@ -29,7 +31,7 @@ pub fn channels(gains: &PhaseGains<Gains>, form: Form) -> (Channel<f64>, Channel
     let channel = |gains: &Gains, gyroscopic| {
         Channel::Sliding(SlidingMode {
             surface: Surface::Linear { slope: gains.slope },
-            reaching: Reaching::Proportional { gain: gains.gain, proportional: gains.proportional, layer: gains.layer },
+            reaching: Reaching::new(gains.gain, gains.layer, Shape::Proportional { proportional: gains.proportional }),
             compensation: Compensation { natural: false, surface_rate: SurfaceRate::Off, gyroscopic },
         })
     };

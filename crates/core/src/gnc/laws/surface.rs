@@ -1,7 +1,9 @@
 //! Sliding surfaces, element by element.
 //!
-//!     linear     s = rate + Λ e                   own rate  Λ e'
-//!     terminal   s = rate + Λ sgn(e) |e|^p        own rate  Λ p |e|^(p-1) e'
+//! ```text
+//! linear     s = rate + Λ e                   own rate  Λ e'
+//! terminal   s = rate + Λ sgn(e) |e|^p        own rate  Λ p |e|^(p-1) e'
+//! ```
 //!
 //! On s = 0 the linear surface decays exponentially, the terminal one in finite time for p < 1 and only polynomially for
 //! p > 1. Where |e|^(p-1) is not finite (e = 0, p < 1) the own rate counts as zero.

@@ -1,12 +1,14 @@
 //! TSMC (Eng. Proc. 2026, 121(1), 25, §3.4): terminal surface, constant-rate reaching law.
 //!
-//!     s = e_v + α sgn(e_r) |e_r|^(p/q)     U = m (-β sat(s/φ) - A(r, v))
-//!     s = e_ω + α sgn(ε) |ε|^(p/q)         τ = I (-β sat(s/φ)) + ω × (I ω)
+//! ```text
+//! s = e_v + α sgn(e_r) |e_r|^(p/q)     U = m (-β sat(s/φ) - A(r, v))
+//! s = e_ω + α sgn(ε) |ε|^(p/q)         τ = I (-β sat(s/φ)) + ω × (I ω)
+//! ```
 //!
 //! Printed: p/q > 1, which on the surface converges only polynomially. Corrected: p/q < 1, in finite time. The exponent
 //! comes with the gains, so the form needs no switch here.
 
-use super::reaching::Reaching;
+use super::reaching::{Reaching, Shape};
 use super::sliding::{Compensation, SurfaceRate};
 use super::surface::Surface;
 use super::{Channel, PhaseGains, Setting, SlidingMode};
@@ -32,7 +34,7 @@ pub fn channels(gains: &PhaseGains<Gains>, setting: &Setting) -> (Channel<f64>, 
     let channel = |gains: &Gains, natural, gyroscopic| {
         Channel::Sliding(SlidingMode {
             surface: Surface::Terminal { slope: gains.slope, exponent: gains.exponent },
-            reaching: Reaching::Proportional { gain: gains.gain, proportional: Vec3([0.0; 3]), layer: gains.layer },
+            reaching: Reaching::new(gains.gain, gains.layer, Shape::Proportional { proportional: Vec3([0.0; 3]) }),
             compensation: Compensation { natural, surface_rate, gyroscopic },
         })
     };

@@ -1,0 +1,150 @@
+"""How pictures look: one colour, line and marker for each law everywhere, and the settings all figures share.
+
+Colours are those of Okabe & Ito (2008), which stay apart for every common colour blindness; laws also differ by their
+dashes and markers, for print in grey. Settings hold within `styled()` only, and figures are made without pyplot.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+from detumble.scenario.laws import TITLES
+from detumble.writing import whole_file
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Dashes: TypeAlias = tuple[int, tuple[float, ...]] | Literal["-"]
+
+DPI = 200
+
+
+@dataclass(frozen=True)
+class Look:
+    """How one thing is drawn wherever it appears.
+
+    Attributes:
+        label: its name in legends.
+        colour: hexadecimal.
+        dashes: line style as matplotlib takes it.
+        marker: where a point stands for it.
+    """
+
+    label: str
+    colour: str
+    dashes: Dashes
+    marker: str
+
+
+LOOKS = {
+    "pd": Look(TITLES["pd"], "#000000", (0, (1.2, 1.2)), "s"),
+    "lqr": Look(TITLES["lqr"], "#0072B2", (0, (6.0, 1.8)), "^"),
+    "sosmc": Look(TITLES["sosmc"], "#009E73", (0, (6.0, 1.5, 1.2, 1.5)), "D"),
+    "tsmc": Look(TITLES["tsmc"], "#CC79A7", (0, (3.0, 1.2)), "v"),
+    "prrl": Look(TITLES["prrl"], "#D55E00", "-", "o"),
+    "none": Look(TITLES["none"], "#707070", "-", "P"),
+}
+"""By law."""
+
+AXIS_LOOKS = (
+    Look("x", "#56B4E9", "-", ""),
+    Look("y", "#E69F00", (0, (5.0, 1.2)), ""),
+    Look("z", "#5B4A1F", (0, (5.0, 1.2, 1.2, 1.2)), ""),
+)
+"""By component of a vector: colours that no law has."""
+
+LIMIT: dict[str, Any] = {"color": "#404040", "linewidth": 0.9, "linestyle": (0, (3.0, 2.0)), "zorder": 1.5}
+"""Lines of limits and thresholds."""
+
+_SETTINGS = {
+    "font.size": 9.0,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.titlesize": 9.0,
+    "axes.titlelocation": "left",
+    "axes.labelsize": 9.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-4, 5),
+    "axes.xmargin": 0.0,
+    "figure.titlesize": 11.0,
+    "figure.titleweight": "bold",
+    "grid.color": "#D8D8D8",
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "legend.handlelength": 3.2,
+    "lines.linewidth": 1.5,
+    "path.simplify_threshold": 0.2,
+    "svg.fonttype": "path",  # looks the same where the font is missing
+    "svg.hashsalt": "detumble",  # the same picture gives the same bytes
+}
+
+
+def look(law: str) -> Look:
+    """Give the look of a law by its name; one that is not listed looks like open loop, under its own name."""
+    known = LOOKS.get(law)
+    return known or Look(law, LOOKS["none"].colour, LOOKS["none"].dashes, LOOKS["none"].marker)
+
+
+@contextmanager
+def styled() -> Iterator[None]:
+    """Draw with detumble's settings, whatever the user's own are; they are back afterwards."""
+    import matplotlib.style
+
+    with matplotlib.style.context(["default", _SETTINGS]):
+        yield
+
+
+def new_figure(width: float, height: float, layout: Literal["constrained"] | None = "constrained") -> Figure:
+    """Make an empty figure that belongs to nobody else.
+
+    Args:
+        width, height: inches.
+        layout: who finds the margins; None where they are set.
+    """
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), dpi=DPI, layout=layout)
+
+
+def heading(text: str, width: int = 100) -> str:
+    """Bring text from a scenario into the shape of a title: one line, not too long."""
+    line = " ".join(text.split())
+    return line if len(line) <= width else line[: width - 1].rstrip() + "…"
+
+
+def save(figure: Figure, paths: Sequence[Path]) -> list[Path]:
+    """Write a figure to each path, each file whole or not at all; call it within `styled()`.
+
+    Args:
+        figure: what to write. Its layout is settled by the first file and kept for the others.
+        paths: ending in .png or .svg.
+
+    Returns:
+        The paths.
+
+    Raises:
+        RequestError: a file cannot be written.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    for path in paths:
+        with whole_file(path) as temporary, warnings.catch_warnings():
+            warnings.filterwarnings("ignore", message="Glyph .* missing from")  # a title in a script without font here
+            # straight to the canvas: `savefig` would draw everything twice
+            if path.suffix == ".svg":
+                canvas: Any = FigureCanvasSVG(figure)
+                canvas.print_svg(temporary, metadata={"Date": None})
+            else:
+                canvas = FigureCanvasAgg(figure)
+                canvas.print_png(temporary, pil_kwargs={"compress_level": 4})
+        figure.set_layout_engine("none")
+    return list(paths)
