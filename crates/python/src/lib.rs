@@ -38,7 +38,7 @@ fn fly<'py>(
     backend: Option<&str>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let recipe = recipe(case)?;
-    let backend = named_backend(backend)?;
+    let backend = named_backend(backend, Backend::best_for_one())?;
     let FlightRecord { series, merge, summary } = py.detach(|| fly_one(&recipe, seed, index, backend));
 
     let history = PyDict::new(py);
@@ -94,7 +94,7 @@ fn fly_starts<'py>(
     light: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let FlightRecipe { case, law, plan } = recipe(case)?;
-    let backend = named_backend(backend)?;
+    let backend = named_backend(backend, Backend::best())?;
     if starts.shape()[1] != STATES {
         return Err(PyValueError::new_err(format!("starts: {} columns; allowed: {STATES}", starts.shape()[1])));
     }
@@ -149,7 +149,7 @@ fn backends() -> Vec<&'static str> {
 #[pyfunction]
 #[pyo3(name = "fma_peak")]
 fn fma_flops(py: Python<'_>, backend: &str, iterations: u64) -> PyResult<f64> {
-    let backend = named_backend(Some(backend))?;
+    let backend = named_backend(Some(backend), Backend::best())?;
     Ok(py.detach(|| fma_peak(backend, iterations)))
 }
 
@@ -200,8 +200,8 @@ fn recipe(dict: &Bound<'_, PyDict>) -> PyResult<FlightRecipe> {
     Ok(FlightRecipe { case, law, plan })
 }
 
-fn named_backend(name: Option<&str>) -> PyResult<Backend> {
-    let Some(name) = name else { return Ok(Backend::best()) };
+fn named_backend(name: Option<&str>, default: Backend) -> PyResult<Backend> {
+    let Some(name) = name else { return Ok(default) };
     Backend::available().find(|backend| backend.name() == name).ok_or_else(|| {
         let allowed: Vec<_> = Backend::available().map(Backend::name).collect();
         PyValueError::new_err(format!("backend \"{name}\": not on this machine; allowed: {}", allowed.join(", ")))

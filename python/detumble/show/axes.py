@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Panels: TypeAlias = list[list["Axes"]]
 
 TIME_LABEL = "time [s]"
-LEFT, BELOW, GAP, LABEL = 0.95, 0.55, 0.3, 0.6
+LEFT, BELOW, GAP, LABEL = 0.92, 0.5, 0.3, 0.58
 """Margins, space between columns (twice that between rows), and from a vertical axis to its label, inches."""
 
 
@@ -31,7 +31,7 @@ def time_panels(
     size: tuple[float, float],
     time_label: str = TIME_LABEL,
     *,
-    above: float = 0.82,
+    above: float = 0.72,
     right: float = 0.25,
 ) -> tuple[Figure, Panels]:
     """Make one row of panels for each quantity and one column for each span of time.
@@ -122,7 +122,7 @@ def draw_laws(
                     markeredgecolor="white",
                     markeredgewidth=0.8,
                     zorder=3.0,
-                    clip_on=captured > 0.0,
+                    clip_on=captured < axes.get_xlim()[0],
                 )
 
 

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 SIZE = (11.7, 8.3)
 """Inches: a landscape page."""
+MARGINS = {"left": 0.08, "right": 0.985, "bottom": 0.065, "top": 0.895, "wspace": 0.2, "hspace": 0.16}
+"""Shares of the page; fixed, since a layout found by trial takes longer than the drawing."""
 
 
 def flight_figure(flight: Flight, path: Path) -> Path:
@@ -41,8 +43,8 @@ def flight_figure(flight: Flight, path: Path) -> Path:
 
 def build(flight: Flight) -> Figure:
     """Draw the page in memory; call it within `styled()`."""
-    figure = new_figure(*SIZE)
-    panels = figure.subplots(3, 2, sharex=True)
+    figure = new_figure(*SIZE, layout=None)
+    panels = figure.subplots(3, 2, sharex=True, gridspec_kw=MARGINS)
     end = shown_until(flight)
     panels[0, 0].set_xlim(0.0, end)
     _position(panels[0, 0], flight, end)
@@ -54,14 +56,15 @@ def build(flight: Flight) -> Figure:
     _command(panels[2, 0], flight, end, "force", f"force, {axes} [N]", limits.force_limit)
     _command(panels[2, 1], flight, end, "torque", "torque, body axes [N m]", limits.torque_limit)
     for panel in panels.flat:
+        panel.yaxis.set_label_coords(-0.135, 0.5)
         _mark_events(panel, flight, end)
         set_sane_scale(panel)
         panel.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=5, handlelength=2.4, borderaxespad=0.1)
     for panel in panels[-1]:
         panel.set_xlabel(TIME_LABEL)
-    figure.align_ylabels(panels)
-    figure.suptitle(f"{heading(flight.scenario.title)}\n", parse_math=False)
-    figure.text(0.5, 0.95, _subtitle(flight, end), ha="center", va="center", fontsize=9.5, color="#404040")
+        panel.xaxis.set_label_coords(0.5, -0.13)
+    figure.suptitle(heading(flight.scenario.title), y=0.985, parse_math=False)
+    figure.text(0.5, 0.94, _subtitle(flight, end), ha="center", va="center", fontsize=9.5, color="#404040")
     return figure
 
 
