@@ -35,7 +35,7 @@ pub fn control_period<R: Real, O: Observer<R>>(
     let mut error = TrackingError::between(&flight.truth, &target);
     let captured_now = judge(scene, flight, &error, time);
     if captured_now.any() {
-        observer.captured(captured_now, &flight.truth, &error);
+        observer.captured(scene, captured_now, &flight.truth, &error);
         if plan.merge {
             merge(scene, flight, captured_now, time);
             observer.merged(captured_now, flight);
@@ -361,7 +361,7 @@ pub struct Tick<R> {
 /// Watches a flight and keeps what it wants of it.
 pub trait Observer<R: Real> {
     /// Lanes are captured: the motion before any merge, and the true error against the debris.
-    fn captured(&mut self, lanes: R::Mask, before: &Motion<R>, error: &TrackingError<R>);
+    fn captured(&mut self, scene: &Scene<'_, R>, lanes: R::Mask, before: &Motion<R>, error: &TrackingError<R>);
 
     /// Lanes have just become stacks.
     fn merged(&mut self, _lanes: R::Mask, _flight: &Flight<R>) {}

@@ -84,7 +84,7 @@ impl History {
 }
 
 impl<R: Real> Observer<R> for History {
-    fn captured(&mut self, _lanes: R::Mask, before: &Motion<R>, _error: &TrackingError<R>) {
+    fn captured(&mut self, _: &Scene<'_, R>, _: R::Mask, before: &Motion<R>, _: &TrackingError<R>) {
         self.before = Some(crate::batch::Batch::scatter(before, 0));
     }
 
@@ -144,9 +144,9 @@ impl<R: Real> Observer<R> for History {
 
 /// Two observers at once.
 impl<R: Real, A: Observer<R>, B: Observer<R>> Observer<R> for (A, B) {
-    fn captured(&mut self, lanes: R::Mask, before: &Motion<R>, error: &TrackingError<R>) {
-        self.0.captured(lanes, before, error);
-        self.1.captured(lanes, before, error);
+    fn captured(&mut self, scene: &Scene<'_, R>, lanes: R::Mask, before: &Motion<R>, error: &TrackingError<R>) {
+        self.0.captured(scene, lanes, before, error);
+        self.1.captured(scene, lanes, before, error);
     }
 
     fn merged(&mut self, lanes: R::Mask, flight: &Flight<R>) {

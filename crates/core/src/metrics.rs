@@ -98,10 +98,11 @@ impl<R: Real> Default for Metrics<R> {
 }
 
 impl<R: Real> Observer<R> for Metrics<R> {
-    fn captured(&mut self, lanes: R::Mask, _before: &Motion<R>, error: &TrackingError<R>) {
+    fn captured(&mut self, scene: &Scene<'_, R>, lanes: R::Mask, before: &Motion<R>, error: &TrackingError<R>) {
+        let judged = if scene.plan.distance_from_debris { before.position } else { error.position };
         let keep = |new: R, old: R| R::select(lanes, new, old);
         let at = &mut self.at_capture;
-        at.distance = keep(error.position.norm(), at.distance);
+        at.distance = keep(judged.norm(), at.distance);
         at.half_sine = keep(error.attitude.vector().norm(), at.half_sine);
         at.half_cosine = keep(error.attitude.scalar(), at.half_cosine);
         at.rate = keep(error.rate.norm(), at.rate);
@@ -269,7 +270,7 @@ pub struct Impulse<R> {
 }
 
 impl<R: Real> Observer<R> for Impulse<R> {
-    fn captured(&mut self, _lanes: R::Mask, _before: &Motion<R>, _error: &TrackingError<R>) {}
+    fn captured(&mut self, _: &Scene<'_, R>, _: R::Mask, _: &Motion<R>, _: &TrackingError<R>) {}
 
     #[inline(always)]
     fn observe(&mut self, scene: &Scene<'_, R>, _flight: &Flight<R>, tick: &Tick<R>) {

@@ -127,7 +127,7 @@ def _command(flights: Mapping[str, Flight], name: str, limit: float, symbol: str
     shown = approach_spans(flights)
     height = 1.5 + 1.25 * len(flights)
     figure, panels = time_panels(
-        shown, [f"{look(law).label}\n{symbol} [{unit}]" for law in flights], (WIDTH, height), above=1.0
+        shown, [f"{look(law).label}\n{symbol} [{unit}]" for law in flights], (WIDTH, height), above=0.9
     )
     for row, (law, flight) in zip(panels, flights.items(), strict=True):
         draw_laws(row, shown, {law: flight}, name, 0, faint_after=True, dotted_end=False)

@@ -179,9 +179,14 @@ def law_legend(figure: Figure, flights: Mapping[str, Flight], ends: Mapping[str,
                 markersize=5.5, markeredgecolor="white", markeredgewidth=0.8, label=label,
             )
         )  # fmt: skip
-    figure.legend(
-        handles=handles, loc="upper center", borderaxespad=0.3, ncols=min(5, len(handles)), title=title or None
+    legend = figure.legend(
+        handles=handles,
+        loc="upper center",
+        borderaxespad=0.3,
+        ncols=min(5, len(handles)),
+        title=title or None,
     )
+    legend.get_title().set_multialignment("center")
 
 
 def captured_at(flights: Mapping[str, Flight]) -> dict[str, str]:
@@ -194,6 +199,17 @@ def said(time: float | None, flight: Flight) -> str:
     if time is not None:
         return f"{time:.1f} s"
     return "diverged" if flight.diverged else "–"
+
+
+def set_log_time(axes: Axes, start: float, end: float) -> None:
+    """Let a time axis count decades from `start` to `end` s, with readable numbers."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+    axes.set_xscale("log")
+    axes.set_xlim(start, end)
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def set_sane_scale(axes: Axes, most: float = 1e4) -> None:

@@ -23,6 +23,9 @@ SIZE = (11.7, 8.3)
 MARGINS = {"left": 0.08, "right": 0.985, "bottom": 0.065, "top": 0.895, "wspace": 0.2, "hspace": 0.16}
 """Shares of the page; fixed, since a layout found by trial takes longer than the drawing."""
 
+FARTHEST = 20.0
+"""A limit this many times beyond what was reached is not drawn: it would flatten the rest."""
+
 
 def flight_figure(flight: Flight, path: Path) -> Path:
     """Write one page that shows a flight.
@@ -74,7 +77,7 @@ def shown_until(flight: Flight) -> float:
     settled = flight.event("settled")
     if settled is None or flight.law == "none":
         return length
-    return min(length, round_up(max(1.5 * settled.time, 20.0 * flight.scenario.time.control_period)))
+    return min(length, round_up(max(1.5 * settled.time, 100.0 * flight.scenario.time.control_period)))
 
 
 def _position(axes: Axes, flight: Flight, end: float) -> None:
@@ -121,7 +124,7 @@ def _command(
         axes.plot(*line, color=component.colour, linestyle=component.dashes, linewidth=1.2, label=component.label)
     largest = reach(axes)
     for bound in sorted(set(limit)) if isinstance(limit, tuple) else [limit]:
-        if math.isfinite(bound) and bound <= 20.0 * largest:
+        if math.isfinite(bound) and bound <= FARTHEST * largest:
             draw_level(axes, [-bound, bound], f"limit {bound:g}", at=0.005)
 
 
@@ -143,9 +146,11 @@ def _norm(axes: Axes, flight: Flight, end: float, name: str, label: str, scale: 
 def _threshold(axes: Axes, flight: Flight, until: float, after: float | None, end: float) -> None:
     """Draw a threshold over the time it counts: that of capture until capture, that of settling from then on."""
     captured = flight.metrics.capture_time if merged(flight) else None
+    size = reach(axes)
     change = end if captured is None else min(captured, end)
-    axes.plot([0.0, change], [until, until], **LIMIT, label="threshold")
-    if after is not None and captured is not None:
+    if until <= FARTHEST * size:
+        axes.plot([0.0, change], [until, until], **LIMIT, label="threshold")
+    if after is not None and captured is not None and after <= FARTHEST * size:
         axes.plot([change, end], [after, after], **LIMIT)
 
 

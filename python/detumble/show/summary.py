@@ -14,7 +14,7 @@ import numpy as np
 
 from detumble.scenario.paper import PUBLISHED_CAPTURE_TIMES
 from detumble.show.approach import first
-from detumble.show.axes import TIME_LABEL, draw_captures, draw_laws, draw_level, set_sane_scale
+from detumble.show.axes import TIME_LABEL, draw_captures, draw_laws, draw_level, set_log_time, set_sane_scale
 from detumble.show.series import (
     LARGEST,
     MOST_POINTS,
@@ -71,8 +71,7 @@ def _captures(axes: Axes, flights: Mapping[str, Flight], minimum_time: float) ->
     known = [time for time in (*times.values(), minimum_time) if time and math.isfinite(time)]
     known += [PUBLISHED_CAPTURE_TIMES[law] for law in flights if law in PUBLISHED_CAPTURE_TIMES]
     least, most = min(known, default=1.0), max(known, default=10.0)
-    axes.set_xscale("log")
-    axes.set_xlim(0.6 * least, 9.0 * most)
+    set_log_time(axes, 0.6 * least, 9.0 * most)
     _name_rows(axes, flights)
     for row, (law, time) in enumerate(times.items()):
         style, published = look(law), PUBLISHED_CAPTURE_TIMES.get(law)
@@ -95,7 +94,6 @@ def _captures(axes: Axes, flights: Mapping[str, Flight], minimum_time: float) ->
     )
     axes.set_title(f"filled: ours; diamond: published; {bound}", color="#404040")
     axes.set_xlabel("capture time [s]")
-    axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
 
 
 def _bars(
@@ -174,12 +172,10 @@ def _approach(axes: Axes, flights: Mapping[str, Flight], name: str, scale: float
     last = max(flown(flight) for flight in flights.values())
     last = last if len(times) < len(flights) or not times else min(last, round_up(1.2 * max(times)))
     start = min(1.0, 0.1 * min(times, default=10.0))
-    axes.set_xscale("log")
-    axes.set_xlim(start, max(last, 10.0 * start))
+    set_log_time(axes, start, max(last, 10.0 * start))
     draw_laws([axes], [Span(last, "")], flights, name, scale=scale)
     draw_captures([axes], flights)
     if name == "angle_error":
         axes.set_ylim(bottom=0.0)
     set_sane_scale(axes)
     axes.set_xlabel(TIME_LABEL)
-    axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
