@@ -16,7 +16,7 @@ CORE_READY := .venv/.core-ready
 # Folders count too: their time moves when a file is added or taken away.
 RUST := Cargo.toml $(wildcard Cargo.lock rust-toolchain.toml) pyproject.toml \
 	$(shell find crates \( -name '*.rs' -o -name '*.toml' -o -type d \) -not -path '*/target*')
-PYTHON_SOURCES := python tests
+PYTHON_SOURCES := python tests scripts benchmarks
 
 .PHONY: help setup paper test lint format lock clean
 

@@ -175,15 +175,14 @@ def _events(metrics: Metrics, flown: Mapping[str, Any]) -> tuple[Event, ...]:
 
 
 def _cause(history: Mapping[str, NDArray[np.float64]]) -> str:
-    """Name the part of the state that had grown most when the numbers ended."""
+    """Name the part of the state that grew fastest from the last finite row but one to the last."""
     if not len(history["time"]):
         return "the start is not finite"
-    sizes = {
-        f"{name} {size:.3g} {unit}": size
-        for name, unit in (("position", "m"), ("velocity", "m/s"), ("chaser_rate", "rad/s"), ("debris_rate", "rad/s"))
-        if (size := float(abs(history[name][-1]).max())) >= 0.0
-    }
-    return f"the state left the numbers; last finite value: {max(sizes, key=lambda name: sizes[name])}"
+    units = {"position": "m", "velocity": "m/s", "chaser_rate": "rad/s", "debris_rate": "rad/s"}
+    last = {name: float(abs(history[name][-1]).max()) for name in units}
+    before = {name: float(abs(history[name][-2:][0]).max()) for name in units}
+    name = max(units, key=lambda name: (last[name] / before[name] if before[name] else 0.0, last[name]))
+    return f"the state left the numbers; last finite {name}: {last[name]:.3g} {units[name]}"
 
 
 def _warnings(metrics: Metrics, events: tuple[Event, ...], scenario: Scenario, law: str) -> tuple[str, ...]:

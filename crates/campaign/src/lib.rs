@@ -8,3 +8,6 @@ mod one;
 
 pub use many::{Fleet, Outcome, Workload, fly_many, fly_workload};
 pub use one::{FlightRecord, fly_one};
+
+#[cfg(test)]
+mod tests;

@@ -85,3 +85,6 @@ macro_rules! batch_struct {
         }
     };
 }
+
+#[cfg(test)]
+mod tests;

@@ -183,6 +183,7 @@ impl Numbers<f64> {
             around: Surroundings {
                 orbit: case.orbit,
                 translation: HeldStep::new(case.orbit.mean_motion, plan.step()),
+                half_step: HeldStep::new(case.orbit.mean_motion, 0.5 * plan.step()),
                 debris: Inertia::new(case.debris.inertia),
             },
             capture: CaptureTest::new(&case.capture),
@@ -304,7 +305,14 @@ impl<'a, R: Real> Scene<'a, R> {
             Some(segment) => {
                 let wrench =
                     Wrench { force: Vec3::from_lanes(|_| segment.force), torque: Vec3::from_lanes(|_| segment.torque) };
-                (wrench, if segment.body_frame { WrenchFrame::Body } else { WrenchFrame::Lvlh })
+                let frame = if segment.body_frame {
+                    WrenchFrame::Body
+                } else if segment.torque == Vec3([0.0; 3]) {
+                    WrenchFrame::Command // a force held in H alone
+                } else {
+                    WrenchFrame::Lvlh
+                };
+                (wrench, frame)
             }
             None => (Wrench::zero(), WrenchFrame::Command),
         }
@@ -374,3 +382,6 @@ pub trait Observer<R: Real> {
         false
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -23,3 +23,6 @@ pub mod history;
 pub mod metrics;
 pub mod number;
 pub mod plant;
+
+#[cfg(test)]
+mod tests;

@@ -280,3 +280,6 @@ impl<R: Real> Observer<R> for Impulse<R> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

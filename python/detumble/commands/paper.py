@@ -23,12 +23,12 @@ def paper(
     from detumble.analysis.bound import minimum_capture_time
     from detumble.flight import simulate
     from detumble.scenario.files import load
-    from detumble.scenario.laws import LAWS
+    from detumble.scenario.paper import PUBLISHED_CAPTURE_TIMES
     from detumble.writing import output_folder
 
     scenario = load(SCENARIO)
     with output_folder(out) as folder:
-        flights = {law: simulate(scenario, law) for law in LAWS}
+        flights = {law: simulate(scenario, law) for law in PUBLISHED_CAPTURE_TIMES}
         minimum = float(minimum_capture_time(scenario))
         result = {"laws": {law: _numbers(law, flight, minimum) for law, flight in flights.items()}}
         files = _write(flights, result, minimum, folder) if folder else []

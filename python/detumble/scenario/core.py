@@ -34,7 +34,7 @@ def case(scenario: Scenario, law: str) -> Tree:
     """
     scenario.check()
     if law not in (*LAWS, "none"):
-        problem = f"no law {law!r}{did_you_mean(law, LAWS)}; there are {', '.join(LAWS)}, and none for open loop"
+        problem = f"no law {law!r}{did_you_mean(law, LAWS).rstrip('?')}; there are {', '.join(LAWS)}, and none for open loop"
         raise ScenarioError(scenario.title, problem=problem)
     chaser, debris = scenario.chaser, scenario.debris
     orbit: Tree = {"mean_motion": scenario.orbit.mean_motion, "lvlh_attitude": unit(scenario.orbit.lvlh_attitude)}

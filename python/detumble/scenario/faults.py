@@ -60,7 +60,18 @@ def explained(error: ValidationError, model: type[Section]) -> list[Fault]:
             faults += [replace(fault, path=f"{prefix}.{fault.path}" if prefix else fault.path) for fault in inner]
         else:
             faults.append(_fault(detail, model))
-    return faults
+    meant = {_sibling(fault.path, name) for fault in faults if (name := _suggested(fault))}
+    return [fault for fault in faults if not (fault.text.startswith("missing") and fault.path in meant)]
+
+
+def _suggested(fault: Fault) -> str:
+    """Give the field that a misspelt key was probably meant to be: that one is then no second fault."""
+    _, found, name = fault.text.partition("unknown key; did you mean ")
+    return name.rstrip("?") if found else ""
+
+
+def _sibling(path: str, name: str) -> str:
+    return ".".join([*path.split(".")[:-1], name])
 
 
 def _fault(detail: ErrorDetails, model: type[Section]) -> Fault:

@@ -91,3 +91,6 @@ impl<R: Real> CaptureState<R> {
         newly
     }
 }
+
+#[cfg(test)]
+mod tests;

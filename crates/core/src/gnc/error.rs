@@ -34,3 +34,6 @@ impl<R: Real> TrackingError<R> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

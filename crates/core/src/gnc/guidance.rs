@@ -134,3 +134,6 @@ impl<R: Real> BodyPoint<R> {
         turning.cross(self.position) + self.relative_rate.cross(self.velocity())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -16,3 +16,6 @@ pub fn saturate<R: Real>(demand: Vec3<R>, limit: Vec3<R>, scaled: bool) -> Vec3<
         demand.clamp(-limit, limit)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -83,3 +83,6 @@ pub fn sense<R: Real>(
     }
     seen
 }
+
+#[cfg(test)]
+mod tests;

@@ -26,3 +26,6 @@ impl<R: Real> Lvlh<R> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -127,3 +127,6 @@ impl<R: Real> HeldStep<R> {
         (Vec3([new_x, new_y, new_z]), Vec3([new_vx, new_vy, new_vz]))
     }
 }
+
+#[cfg(test)]
+mod tests;

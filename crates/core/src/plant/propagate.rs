@@ -1,17 +1,19 @@
 //! Both bodies over one control period.
 //!
-//! - Held wrench (every closed loop): force held in H, torque held in body axes. Translation is then exact
-//!   ([`HeldStep`]); rotation is [`spin_step`].
-//! - Open-loop wrench in one frame: given and held in H or in the chaser's body axes. Translation and rotation are
-//!   coupled through the frame, so all thirteen states go through RK4 together.
+//! - Force held in H, torque held in body axes, as every closed loop commands: translation is exact ([`HeldStep`]),
+//!   rotation is [`spin_step`].
+//! - Open loop, both held in body axes: rotation is [`spin_step`]; translation follows by Simpson's rule over the exact
+//!   response to a push, with the force turned into H at the beginning, the middle and the end of the step.
+//! - Open loop, both held in H: translation is exact; attitude and rate go through RK4 together, since the torque turns
+//!   in the body.
 
 use super::attitude::{Inertia, Principal, RigidBody, Spin, renormalized, spin_step};
 use super::lvlh::Lvlh;
-use super::orbit::{HeldStep, natural_acceleration};
+use super::orbit::HeldStep;
 use super::rk4::{Dynamics, rk4_step};
 use crate::batch_struct;
 use crate::case::{Motion, Orbit};
-use crate::number::{Quat, Real, Vec3};
+use crate::number::{Real, Vec3};
 
 batch_struct! {
     /// A force \[N\] and a torque \[N m\].
@@ -49,6 +51,8 @@ batch_struct! {
         pub orbit: Orbit<R>,
         /// Translation over one integration step.
         pub translation: HeldStep<R>,
+        /// Translation over half of it.
+        pub half_step: HeldStep<R>,
         /// The debris' inertia.
         pub debris: Inertia<R>,
     }
@@ -98,19 +102,21 @@ pub fn propagate<R: Real>(
     period: &Period,
 ) {
     let Period { time, step, steps, principal_axes } = *period;
-    if frame != WrenchFrame::Command {
-        for i in 0..steps {
-            coupled_step(around, vehicle, motion, wrench, frame, (time + f64::from(i) * step, step));
-        }
-        return;
-    }
-    let acceleration = wrench.force * vehicle.inverse_mass;
-    for _ in 0..steps {
-        (motion.position, motion.velocity) = around.translation.advance(motion.position, motion.velocity, acceleration);
-        if principal_axes {
-            spin_both(&Principal(&vehicle.inertia), &Principal(&around.debris), motion, wrench.torque, step);
-        } else {
-            spin_both(&vehicle.inertia, &around.debris, motion, wrench.torque, step);
+    for i in 0..steps {
+        let begin = time + f64::from(i) * step;
+        match frame {
+            WrenchFrame::Command => {
+                let force = wrench.force * vehicle.inverse_mass;
+                (motion.position, motion.velocity) =
+                    around.translation.advance(motion.position, motion.velocity, force);
+                if principal_axes {
+                    spin_both(&Principal(&vehicle.inertia), &Principal(&around.debris), motion, wrench.torque, step);
+                } else {
+                    spin_both(&vehicle.inertia, &around.debris, motion, wrench.torque, step);
+                }
+            }
+            WrenchFrame::Body => body_step(around, vehicle, motion, wrench, begin, step),
+            WrenchFrame::Lvlh => lvlh_step(around, vehicle, motion, wrench, begin, step),
         }
     }
 }
@@ -146,81 +152,87 @@ impl<R: Real> Motion<R> {
     }
 }
 
-/// The vehicle under a wrench whose force or torque turns with it or with H.
-struct OpenLoop<'a, R> {
-    orbit: &'a Orbit<R>,
-    vehicle: &'a Vehicle<R>,
-    wrench: &'a Wrench<R>,
-    body_frame: bool,
-    time: f64,
-    step: f64,
-}
-
-#[derive(Clone, Copy)]
-struct Coupled<R> {
-    position: Vec3<R>,
-    velocity: Vec3<R>,
-    attitude: Quat<R>,
-    rate: Vec3<R>,
-}
-
-impl<R: Real> Dynamics<R> for OpenLoop<'_, R> {
-    type State = Coupled<R>;
-
-    #[inline(always)]
-    fn rate(&self, fraction: f64, state: &Coupled<R>) -> Coupled<R> {
-        let lvlh = Lvlh::at(self.orbit, self.time + fraction * self.step);
-        let chaser_to_lvlh = lvlh.attitude.conjugate() * state.attitude;
-        let (force, torque) = if self.body_frame {
-            (chaser_to_lvlh.rotate(self.wrench.force), self.wrench.torque)
-        } else {
-            (self.wrench.force, chaser_to_lvlh.rotate_inverse(self.wrench.torque))
-        };
-        Coupled {
-            position: state.velocity,
-            velocity: natural_acceleration(self.orbit.mean_motion, state.position, state.velocity)
-                + force * self.vehicle.inverse_mass,
-            attitude: state.attitude.times_pure(state.rate * R::splat(0.5)),
-            rate: self.vehicle.inertia.angular_acceleration(state.rate, torque),
-        }
-    }
-
-    #[inline(always)]
-    fn advance(state: &Coupled<R>, time: R, rate: &Coupled<R>) -> Coupled<R> {
-        let along = Vec3::splat(time);
-        let mut attitude = state.attitude;
-        for i in 0..4 {
-            attitude.0[i] = time.mul_add(rate.attitude.0[i], attitude.0[i]);
-        }
-        Coupled {
-            position: along.mul_add(rate.position, state.position),
-            velocity: along.mul_add(rate.velocity, state.velocity),
-            attitude,
-            rate: along.mul_add(rate.rate, state.rate),
-        }
-    }
-}
-
-/// Not inlined: open loop is flown to check the plant, never in bulk.
+/// A step under a wrench held in body axes. Not inlined, as the next: open loop checks the plant, it is not flown in bulk.
 #[inline(never)]
-fn coupled_step<R: Real>(
+fn body_step<R: Real>(
     around: &Surroundings<R>,
     vehicle: &Vehicle<R>,
     motion: &mut Motion<R>,
     wrench: &Wrench<R>,
-    frame: WrenchFrame,
-    (time, step): (f64, f64),
+    begin: f64,
+    step: f64,
 ) {
-    let body_frame = frame == WrenchFrame::Body;
-    let dynamics = OpenLoop { orbit: &around.orbit, vehicle, wrench, body_frame, time, step };
-    let state = Coupled {
-        position: motion.position,
-        velocity: motion.velocity,
-        attitude: motion.chaser_attitude,
-        rate: motion.chaser_rate,
+    let h = R::splat(step);
+    let start = motion.chaser();
+    let middle = spin_step(&vehicle.inertia, &start, wrench.torque, h * R::splat(0.5));
+    let end = spin_step(&vehicle.inertia, &start, wrench.torque, h);
+    let push = |spin: &Spin<R>, fraction: f64| {
+        let lvlh = Lvlh::at(&around.orbit, begin + fraction * step);
+        let force = (lvlh.attitude.conjugate() * spin.attitude).rotate(wrench.force);
+        force * vehicle.inverse_mass
     };
-    let after = rk4_step(&dynamics, &state, R::splat(step));
-    (motion.position, motion.velocity) = (after.position, after.velocity);
-    (motion.chaser_attitude, motion.chaser_rate) = (renormalized(after.attitude), after.rate);
-    motion.set_debris(spin_step(&around.debris, &motion.debris(), Vec3::zero(), R::splat(step)));
+    let sixth = h * R::splat(1.0 / 6.0);
+    let (first, second, third) = (push(&start, 0.0), push(&middle, 0.5) * R::splat(4.0), push(&end, 1.0));
+    let none = Vec3::zero();
+    // Pushes at the beginning, the middle and the end of the step coast on for the rest of it.
+    let coast = &around.half_step;
+    let (r, v) = coast.advance(motion.position, motion.velocity + first * sixth, none);
+    let (r, v) = coast.advance(r, v + second * sixth, none);
+    (motion.position, motion.velocity) = (r, v + third * sixth);
+    motion.set_chaser(end);
+    motion.set_debris(spin_step(&around.debris, &motion.debris(), none, h));
 }
+
+/// A step under a wrench held in H.
+#[inline(never)]
+fn lvlh_step<R: Real>(
+    around: &Surroundings<R>,
+    vehicle: &Vehicle<R>,
+    motion: &mut Motion<R>,
+    wrench: &Wrench<R>,
+    begin: f64,
+    step: f64,
+) {
+    let h = R::splat(step);
+    let acceleration = wrench.force * vehicle.inverse_mass;
+    (motion.position, motion.velocity) = around.translation.advance(motion.position, motion.velocity, acceleration);
+    let turning = TurningTorque { orbit: &around.orbit, inertia: &vehicle.inertia, torque: wrench.torque, begin, step };
+    let end = rk4_step(&turning, &motion.chaser(), h);
+    motion.set_chaser(Spin { attitude: renormalized(end.attitude), rate: end.rate });
+    motion.set_debris(spin_step(&around.debris, &motion.debris(), Vec3::zero(), h));
+}
+
+/// q' and ω' of a body under a torque held in H.
+struct TurningTorque<'a, R> {
+    orbit: &'a Orbit<R>,
+    inertia: &'a Inertia<R>,
+    torque: Vec3<R>,
+    begin: f64,
+    step: f64,
+}
+
+impl<R: Real> Dynamics<R> for TurningTorque<'_, R> {
+    type State = Spin<R>;
+
+    #[inline(always)]
+    fn rate(&self, fraction: f64, spin: &Spin<R>) -> Spin<R> {
+        let lvlh = Lvlh::at(self.orbit, self.begin + fraction * self.step);
+        let torque = (lvlh.attitude.conjugate() * spin.attitude).rotate_inverse(self.torque);
+        Spin {
+            attitude: spin.attitude.times_pure(spin.rate * R::splat(0.5)),
+            rate: self.inertia.angular_acceleration(spin.rate, torque),
+        }
+    }
+
+    #[inline(always)]
+    fn advance(spin: &Spin<R>, time: R, rate: &Spin<R>) -> Spin<R> {
+        let mut attitude = spin.attitude;
+        for i in 0..4 {
+            attitude.0[i] = time.mul_add(rate.attitude.0[i], attitude.0[i]);
+        }
+        Spin { attitude, rate: Vec3::splat(time).mul_add(rate.rate, spin.rate) }
+    }
+}
+
+#[cfg(test)]
+mod tests;

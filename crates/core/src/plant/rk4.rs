@@ -25,14 +25,20 @@ pub trait Dynamics<R: Real> {
 /// One step of length `h` \[s\].
 #[inline(always)]
 pub fn rk4_step<R: Real, D: Dynamics<R>>(dynamics: &D, state: &D::State, h: R) -> D::State {
-    let half = h * R::splat(0.5);
     let k1 = dynamics.rate(0.0, state);
-    let k2 = dynamics.rate(0.5, &D::advance(state, half, &k1));
+    D::advance(state, h * R::splat(1.0 / 6.0), &rk4_sum(dynamics, state, &k1, h))
+}
+
+/// k1 + 2 k2 + 2 k3 + k4, where the rate at the beginning, k1, is known already.
+#[inline(always)]
+pub fn rk4_sum<R: Real, D: Dynamics<R>>(dynamics: &D, state: &D::State, k1: &D::State, h: R) -> D::State {
+    let half = h * R::splat(0.5);
+    let k2 = dynamics.rate(0.5, &D::advance(state, half, k1));
     let k3 = dynamics.rate(0.5, &D::advance(state, half, &k2));
     let k4 = dynamics.rate(1.0, &D::advance(state, h, &k3));
-    let (sixth, third) = (h * R::splat(1.0 / 6.0), h * R::splat(1.0 / 3.0));
-    let sum = D::advance(state, sixth, &k1);
-    let sum = D::advance(&sum, third, &k2);
-    let sum = D::advance(&sum, third, &k3);
-    D::advance(&sum, sixth, &k4)
+    let two = R::splat(2.0);
+    D::advance(&D::advance(&D::advance(k1, two, &k2), two, &k3), R::one(), &k4)
 }
+
+#[cfg(test)]
+mod tests;

@@ -67,3 +67,6 @@ pub fn merge_conserving<R: Real>(chaser: &Body<R>, debris: &Body<R>, motion: &Mo
 fn symmetric<R: Real>(m: Mat3<R>) -> Mat3<R> {
     (m + m.transpose()).scale(R::splat(0.5))
 }
+
+#[cfg(test)]
+mod tests;

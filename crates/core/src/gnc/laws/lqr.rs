@@ -60,3 +60,6 @@ pub fn rotation_gain(weights: &Weights, inertia: &Mat3<f64>, two_epsilon: bool) 
     };
     riccati::gain(&system, weights)
 }
+
+#[cfg(test)]
+mod tests;

@@ -290,3 +290,6 @@ impl LawRecipe {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -115,3 +115,6 @@ impl<R: Real> Batch<R> for Shape<R> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

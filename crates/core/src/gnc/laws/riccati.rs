@@ -33,18 +33,20 @@ pub struct System {
     pub input: Mat3<f64>,
 }
 
-/// K, split into the gains of e and of v.
+/// K, split into the gains of e and of v. NaN where weights lie so far apart that double precision has no answer.
 pub fn gain(system: &System, weights: &Weights) -> [Mat3<f64>; 2] {
     let mut k = stabilising_gain(system, weights);
+    let mut change = f64::INFINITY;
     for _ in 0..60 {
         let next = newton_step(system, weights, &k);
-        let change = largest_difference(&next, &k);
+        change = largest_difference(&next, &k);
         k = next;
         if change < 1e-14 {
             break;
         }
     }
-    k
+    // Rounding keeps the last changes above zero; a change that stays large is no solution.
+    if change < 1e-9 { k } else { [Mat3([[f64::NAN; 3]; 3]); 2] }
 }
 
 /// v' = -c₁ e - c₂ v, with the gains of the scalar problem at the mean weights.
@@ -149,3 +151,6 @@ fn largest_difference(a: &[Mat3<f64>; 2], b: &[Mat3<f64>; 2]) -> f64 {
     }
     worst
 }
+
+#[cfg(test)]
+mod tests;

@@ -106,3 +106,6 @@ impl<R: Real> Batch<R> for Surface<R> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -14,7 +14,8 @@ struct Drawn {
     words: [u32; 4],
     uniforms: [f64; 4],
     normals: [f64; 4],
-    pair: [f64; 2],
+    /// Blocks 0, 1, 2 of the step.
+    pairs: [f64; 12],
 }
 
 impl Job for Draw {
@@ -26,13 +27,14 @@ impl Job for Draw {
         let words = stream.words(self.step, self.block);
         let uniforms = stream.uniforms(self.step, self.block);
         let normals = stream.normals(self.step, self.block);
-        let pair = stream.normal_pair(self.step, self.block);
+        let pairs = stream.normal_pairs::<6>(self.step);
+        let pairs: [R; 12] = std::array::from_fn(|k| pairs[k / 2][k % 2]);
         (0..R::LANES)
             .map(|i| Drawn {
                 words: words.map(|w| w.lane(i) as u32),
                 uniforms: uniforms.map(|u| u.lane(i)),
                 normals: normals.map(|x| x.lane(i)),
-                pair: pair.map(|x| x.lane(i)),
+                pairs: pairs.map(|x| x.lane(i)),
             })
             .collect()
     }
@@ -98,7 +100,7 @@ fn a_trajectory_draws_the_same_in_every_lane_and_number_type() {
             }
             for (got, want) in draw(backend, first).iter().zip(&alone) {
                 assert_eq!((got.words, got.uniforms), (want.words, want.uniforms));
-                assert_eq!(got.pair, got.normals[..2]);
+                assert_eq!(got.pairs[8..], got.normals);
                 // Normals may differ where multiply-add is not fused, by rounding alone.
                 for (x, y) in got.normals.iter().zip(want.normals) {
                     assert!((x - y).abs() <= 1e-15 * y.abs(), "{x} {y}");

@@ -1,0 +1,108 @@
+use super::*;
+use crate::tests::assert_near;
+
+fn law(gain: f64, layer: f64, shape: Shape<f64>) -> Reaching<f64> {
+    Reaching::new(Vec3([gain; 3]), Vec3([layer; 3]), shape)
+}
+
+fn proportional(alpha: f64) -> Shape<f64> {
+    Shape::Proportional { proportional: Vec3([alpha; 3]) }
+}
+
+fn power(exponent: f64, inside: Form) -> Shape<f64> {
+    Shape::PowerRate { exponent, inside }
+}
+
+/// Time of s from `from` down to `to` under the law's own ṡ: RK4 in steps that change s by about 2e-3 of itself.
+fn time_between(law: &Reaching<f64>, from: f64, to: f64) -> f64 {
+    let rate = |s: f64| law.rate(Vec3([s, 1.0, 1.0]))[0];
+    let (mut s, mut time) = (from, 0.0);
+    while s > to {
+        let h = 2e-3 * s / -rate(s);
+        let k1 = rate(s);
+        let k2 = rate(s + 0.5 * h * k1);
+        let k3 = rate(s + 0.5 * h * k2);
+        let k4 = rate(s + h * k3);
+        let next = s + h * (k1 + 2.0 * (k2 + k3) + k4) / 6.0;
+        // The last step by its share.
+        time += h * ((s - to) / (s - next)).min(1.0);
+        s = next;
+    }
+    time
+}
+
+#[test]
+fn rates_have_their_known_values() {
+    // s = (0.04, -0.09, 0.25), K = 2, φ = 0.1: sat = (0.4, -0.9, 1). α = 1/2: √|s| = (0.2, 0.3, 0.5).
+    let s = Vec3([0.04, -0.09, 0.25]);
+    let rate = |shape| law(2.0, 0.1, shape).rate(s).0;
+    assert_near(&rate(proportional(0.0)), &[-0.8, 1.8, -2.0], 1e-15);
+    assert_near(&rate(proportional(3.0)), &[-0.92, 2.07, -2.75], 1e-15);
+    assert_near(&rate(power(0.5, Form::Printed)), &[-0.16, 0.54, -1.0], 1e-15);
+    // Inside the layer √0.1 = 0.316 227 766 stands for √|s|.
+    assert_near(&rate(power(0.5, Form::Corrected)), &[-0.252982213, 0.569209979, -1.0], 1e-9);
+}
+
+#[test]
+fn laws_are_odd_vanish_on_the_surface_and_are_continuous_at_the_layer() {
+    for shape in [proportional(0.0), proportional(0.7), power(0.7, Form::Printed), power(0.7, Form::Corrected)] {
+        let law = law(0.3, 0.05, shape);
+        assert_eq!(law.rate(Vec3::zero()).abs(), Vec3::zero());
+        let s = Vec3([0.02, 0.05, 0.4]);
+        assert_eq!(law.rate(-s), -law.rate(s));
+        let [inner, outer] = [0.05 * (1.0 - 1e-12), 0.05 * (1.0 + 1e-12)].map(|s| law.rate(Vec3([s; 3])));
+        assert_near(&inner.0, &outer.0, 1e-11);
+    }
+}
+
+#[test]
+fn each_axis_has_its_own_gain_and_layer() {
+    let shape = Shape::Proportional { proportional: Vec3([0.0, 1.0, 2.0]) };
+    let law = Reaching::new(Vec3([1.0, 2.0, 3.0]), Vec3([0.1, 0.2, 0.4]), shape);
+    // sat = (1, 0.5, 0.25).
+    assert_near(&law.rate(Vec3([0.1; 3])).0, &[-1.0, -1.1, -0.95], 1e-15);
+}
+
+#[test]
+fn reaching_times_are_the_exact_ones() {
+    // SPEC, "What does not hold up", 5: K = 1, s0 = 1. A layer this thin takes no part: φ^(1-α) < 1e-12.
+    let thin = 1e-120;
+    for (alpha, seconds) in [(0.3, 1.43), (0.5, 2.00), (0.7, 3.33), (0.9, 10.0)] {
+        let time = time_between(&law(1.0, thin, power(alpha, Form::Printed)), 1.0, thin);
+        println!("power rate {alpha}: {time:.6} s");
+        assert_near(&[time], &[1.0 / (1.0 - alpha)], 1e-5 * time);
+        assert_near(&[time], &[seconds], 5e-3);
+    }
+    let constant = time_between(&law(1.0, thin, proportional(0.0)), 1.0, thin);
+    assert_near(&[constant], &[1.0], 1e-9);
+    let both = time_between(&law(1.0, thin, proportional(1.0)), 1.0, thin);
+    assert_near(&[both], &[2f64.ln()], 1e-6);
+    assert_near(&[both], &[0.693], 5e-4);
+}
+
+#[test]
+fn reaching_times_to_the_layer_are_those_of_the_module_head() {
+    let (gain, layer, start) = (0.4, 0.05, 2.0_f64);
+    let exact = [
+        (proportional(0.0), (start - layer) / gain),
+        (proportional(0.6), ((gain + 0.6 * start) / (gain + 0.6 * layer)).ln() / 0.6),
+        (power(0.7, Form::Printed), (start.powf(0.3) - layer.powf(0.3)) / (gain * 0.3)),
+        (power(0.7, Form::Corrected), (start.powf(0.3) - layer.powf(0.3)) / (gain * 0.3)),
+    ];
+    for (shape, seconds) in exact {
+        assert_near(&[time_between(&law(gain, layer, shape), start, layer)], &[seconds], 1e-5 * seconds);
+    }
+}
+
+#[test]
+fn power_rate_is_slow_inside_the_layer_as_printed_and_exponential_as_corrected() {
+    // SPEC, 4: from φ to φ/10, φ = 0.01, K = 1, α = 0.7: printed 1.44 s, plain sat 0.023 s.
+    let time = |shape| time_between(&law(1.0, 0.01, shape), 0.01, 0.001);
+    assert_near(&[time(power(0.7, Form::Printed))], &[1.44], 5e-3);
+    assert_near(&[time(proportional(0.0))], &[0.023], 5e-4);
+    // Corrected: rate φ^(α-1) = 100^0.3 = 3.981, ln 10/3.981 = 0.578 s for each decade.
+    let corrected = time(power(0.7, Form::Corrected));
+    assert_near(&[corrected], &[0.5784], 1e-4);
+    let next = time_between(&law(1.0, 0.01, power(0.7, Form::Corrected)), 0.001, 0.0001);
+    assert_near(&[next], &[corrected], 1e-5);
+}
