@@ -97,10 +97,10 @@ class Metrics:
         "torque saturated", "", "share of the time with a torque command over its limit on any axis"
     )
     force_chattering: float | None = _metric(
-        "force chattering", "N/s", "total variation of the force flown, summed over axes, per second"
+        "force chattering", "N/s", "total variation of the force asked for, summed over axes, per second"
     )
     torque_chattering: float | None = _metric(
-        "torque chattering", "N m/s", "total variation of the torque flown, summed over axes, per second"
+        "torque chattering", "N m/s", "total variation of the torque asked for, summed over axes, per second"
     )
     diverged_time: float | None = _metric("diverged", "s", "first tick whose state left the numbers")
 

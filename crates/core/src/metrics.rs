@@ -8,7 +8,7 @@
 //! | delta_v | Σ \|F_i\| T / m per axis, m the true mass of what flies |
 //! | peak | largest \|F_i\|, \|τ_i\| over axes and time, demanded and applied |
 //! | saturated share | time with at least one axis over its limit, of the time flown |
-//! | chattering | Σ_k Σ_i \|F_i(k) - F_i(k-1)\| of the applied wrench, per second flown |
+//! | chattering | Σ_k Σ_i \|F_i(k) - F_i(k-1)\| of the demand, per second flown |
 //! | settling time | from capture to the first tick from which angle and rate against H stay below their thresholds to the end |
 //! | momentum | \|I ω\| of the stack about its centre of mass, ω against N |
 
@@ -67,7 +67,7 @@ struct End<R> {
 
 impl<R: Real> Default for Metrics<R> {
     fn default() -> Self {
-        let zero = R::zero();
+        let (zero, nan) = (R::zero(), R::splat(f64::NAN));
         let peak = Peak { force: zero, torque: zero };
         Self {
             impulse: Vec3::zero(),
@@ -92,7 +92,7 @@ impl<R: Real> Default for Metrics<R> {
                 speed: zero,
                 momentum: zero,
             },
-            end: End { half_sine: zero, half_cosine: zero, rate: zero, momentum: zero },
+            end: End { half_sine: nan, half_cosine: nan, rate: nan, momentum: nan },
         }
     }
 }
@@ -118,20 +118,19 @@ impl<R: Real> Observer<R> for Metrics<R> {
     #[inline(always)]
     fn observe(&mut self, scene: &Scene<'_, R>, flight: &Flight<R>, tick: &Tick<R>) {
         let time = R::splat(tick.time);
-        self.diverged = self.diverged.min(R::select(is_finite(flight), R::splat(NEVER), time));
+        let finite = is_finite(flight);
+        self.diverged = self.diverged.min(R::select(finite, R::splat(NEVER), time));
 
-        let settled = &scene.numbers.settled;
-        let rate_squared = tick.error.rate.norm_squared();
-        let holds = settled.cos_half_angle.lt(tick.error.attitude.scalar()) & rate_squared.lt(settled.rate_squared);
+        let holds = scene.numbers.settled.holds(&tick.error);
         self.last_unsettled = R::select(holds, self.last_unsettled, time);
 
         if tick.flown {
-            self.count_effort(scene, flight, tick);
+            self.count_effort(scene, flight, tick, finite);
         } else {
             self.end = End {
                 half_sine: tick.error.attitude.vector().norm(),
                 half_cosine: tick.error.attitude.scalar(),
-                rate: rate_squared.sqrt(),
+                rate: tick.error.rate.norm(),
                 momentum: momentum(flight),
             };
         }
@@ -139,10 +138,14 @@ impl<R: Real> Observer<R> for Metrics<R> {
 }
 
 impl<R: Real> Metrics<R> {
+    /// A lane whose state has left the numbers asks for nothing any more.
     #[inline(always)]
-    fn count_effort(&mut self, scene: &Scene<'_, R>, flight: &Flight<R>, tick: &Tick<R>) {
-        let period = R::splat(scene.plan.control_period);
-        let (demand, applied) = (&tick.demand, &tick.applied);
+    fn count_effort(&mut self, scene: &Scene<'_, R>, flight: &Flight<R>, tick: &Tick<R>, finite: R::Mask) {
+        let if_finite = |v: Vec3<R>| Vec3::select(finite, v, Vec3::zero());
+        let demand = Wrench { force: if_finite(tick.demand.force), torque: if_finite(tick.demand.torque) };
+        let applied = Wrench { force: if_finite(tick.applied.force), torque: if_finite(tick.applied.torque) };
+        let period = R::select(finite, R::splat(scene.plan.control_period), R::zero());
+
         let (force, torque) = (applied.force.abs(), applied.torque.abs());
         let held = Vec3::splat(period);
         self.impulse = held.mul_add(force, self.impulse);
@@ -164,10 +167,10 @@ impl<R: Real> Metrics<R> {
         self.saturated_torque += over(torque_demand, limits.torque);
 
         if tick.number > 0 {
-            self.force_variation += (applied.force - self.previous.force).abs().sum();
-            self.torque_variation += (applied.torque - self.previous.torque).abs().sum();
+            self.force_variation += if_finite(demand.force - self.previous.force).abs().sum();
+            self.torque_variation += if_finite(demand.torque - self.previous.torque).abs().sum();
         }
-        self.previous = *applied;
+        self.previous = demand;
         self.flown += period;
     }
 

@@ -1,6 +1,6 @@
 use super::fixture::{Campaign, FIRST, LAWS, SEED, Way, bits};
 use crate::{Outcome, fly_one};
-use detumble_core::case::Motion;
+use detumble_core::case::{Motion, NoiseSigmas};
 use detumble_core::number::Backend;
 
 const WAYS: [Way; 2] = [Way::Paper, Way::Corrected];
@@ -128,16 +128,61 @@ fn distance(a: &Motion<f64>, b: &Motion<f64>) -> f64 {
 #[test]
 fn portable_numbers_agree_with_lanes_over_600_s_without_noise() {
     let Some(&wide) = lanes().last() else { return };
+    let furthest = |campaign: &Campaign| {
+        let (portable, lanes) = (campaign.fly(8, Backend::Portable, 2), campaign.fly(8, wide, 1));
+        let mut worst = 0.0_f64;
+        for (p, l) in portable.iter().zip(&lanes) {
+            assert_eq!(p.summary.capture_time.to_bits(), l.summary.capture_time.to_bits());
+            worst = worst.max(distance(&p.end, &l.end));
+        }
+        worst
+    };
     for way in WAYS {
         for law in LAWS {
-            let campaign = Campaign::new(law, way, 600, false);
-            let (portable, lanes) = (campaign.fly(8, Backend::Portable, 2), campaign.fly(8, wide, 1));
-            let mut apart = Vec::new();
-            for (p, l) in portable.iter().zip(&lanes) {
-                assert_eq!(p.summary.capture_time.to_bits(), l.summary.capture_time.to_bits(), "{law} {way:?}");
-                apart.push(distance(&p.end, &l.end));
+            let mut campaign = Campaign::new(law, way, 600, false);
+            // A terminal surface with p < 1 is infinitely steep at zero error. Its own rate taken off is then a kick of any
+            // size at each passage through zero: the sampled loop never comes to rest but wanders on without end at about 1e-8 m and
+            // 1e-5 rad/s, and where it is on its way at 600 s hangs on round-off. Not a fault of the numbers: such a
+            // law does not say more than that. Without the own rate the wandering is a steady cycle, which keeps 1e-11.
+            let terminal = law == "tsmc" && way == Way::Corrected;
+            let apart = furthest(&campaign);
+            println!("{law} {way:?}: {apart:.0e}");
+            assert!(apart < if terminal { 1e-4 } else { 1e-12 }, "{law} {way:?}: {apart:e}");
+            if terminal {
+                campaign.plan.exact_surface_rate = false;
+                let apart = furthest(&campaign);
+                println!("{law} {way:?}, own rate not taken off: {apart:.0e}");
+                assert!(apart < 1e-11);
             }
-            println!("{law} {way:?}: {}", apart.iter().map(|x| format!("{x:.0e}")).collect::<Vec<_>>().join(" "));
         }
     }
+}
+
+/// Flight 2 with some sensors quiet: in a fleet whose other sensors are noisy, and alone.
+fn quiet_beside_noisy(quiet: impl Fn(&mut NoiseSigmas<f64>) + Sync) {
+    let campaign = Campaign::new("prrl", Way::Paper, 30, true);
+    let mut recipe = campaign.recipe(2);
+    quiet(&mut recipe.case.sensors);
+    for backend in Backend::available() {
+        let fleet = campaign.fly_changed(5, backend, 1, |i, case| {
+            if i == 2 {
+                quiet(&mut case.sensors);
+            }
+        });
+        let alone = fly_one(&recipe, SEED, FIRST + 2, backend);
+        assert_eq!(bits(&alone.summary), bits(&fleet[2].summary), "{backend:?}");
+    }
+}
+
+#[test]
+fn flight_with_quiet_sensors_beside_noisy_ones_has_its_own_bits() {
+    quiet_beside_noisy(|sigmas| sigmas.position = 0.0);
+    quiet_beside_noisy(|sigmas| sigmas.velocity = 0.0);
+    quiet_beside_noisy(|sigmas| sigmas.rate = 0.0);
+}
+
+#[test]
+#[ignore = "fault: `sense` normalises a quiet lane's attitude beside noisy ones, and so moves its last bit"]
+fn flight_with_a_quiet_attitude_sensor_beside_noisy_ones_has_its_own_bits() {
+    quiet_beside_noisy(|sigmas| sigmas.attitude = 0.0);
 }

@@ -6,10 +6,10 @@ use detumble_core::number::{Backend, Mat3, Vec3};
 const LOST: usize = 5;
 const FLIGHTS: usize = 11;
 
-/// A body too light for the gains by far, and nothing to limit the torque: the sampled loop is unstable.
+/// A body too light for the gains, Kd T/I = 2.7 > 2, and nothing to limit the torque: the sampled loop is unstable.
 fn lose(i: usize, case: &mut Case<f64>) {
     if i == LOST {
-        case.chaser.inertia = Mat3::from_scale(1e-6);
+        case.chaser.inertia = Mat3::from_scale(3e-3);
         case.actuators.torque = Vec3([f64::INFINITY; 3]);
     }
 }
@@ -34,9 +34,9 @@ fn diverged_flight_is_reported_with_its_time_and_its_neighbours_are_untouched() 
             let times = &alone.series[0].values;
             let diverged = with_lost[LOST].summary.diverged_time;
             println!("{way:?} {backend:?}: diverged at {diverged} s");
-            assert!(diverged > 0.0 && (diverged - times[times.len() - 1] - 0.1).abs() < 1e-9);
+            assert!(diverged > 0.5 && (diverged - times[times.len() - 1] - 0.1).abs() < 1e-9);
             assert_eq!(alone.summary.diverged_time, diverged);
-            assert!(alone.series.iter().flat_map(|s| &s.values).take(13).all(|x| x.is_finite()));
+            assert!(alone.series[..7].iter().flat_map(|s| &s.values).all(|x| x.is_finite()));
             // Never captured or settled by a comparison with what is no number.
             assert!(with_lost[LOST].summary.settling_time.is_nan());
         }

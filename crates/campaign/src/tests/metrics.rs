@@ -98,7 +98,9 @@ fn check(recipe: &FlightRecipe, record: &FlightRecord) {
     same("capture angle", s.capture_angle, 2.0 * error.vector().norm().atan2(error.scalar().abs()));
     let in_n = before.chaser_attitude.rotate(before.chaser_rate) - before.debris_attitude.rotate(before.debris_rate);
     same("capture rate", s.capture_rate, in_n.norm());
-    assert!(s.capture_distance < 0.5 && s.capture_angle < 20f64.to_radians() && s.capture_rate < 0.05);
+    assert!(
+        s.capture_distance < case.capture.distance && s.capture_angle < 20f64.to_radians() && s.capture_rate < 0.05
+    );
 }
 
 #[test]

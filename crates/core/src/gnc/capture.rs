@@ -10,8 +10,8 @@ batch_struct! {
     pub struct CaptureTest<R> {
         /// Distance² \[m²\].
         pub distance_squared: R,
-        /// cos of half the angle: 2 acos|q0| < angle.
-        pub cos_half_angle: R,
+        /// sin² of half the angle, to hold against |ε|²: unlike the cosine it stays sharp at small angles.
+        pub sin_squared: R,
         /// Rate² \[rad²/s²\].
         pub rate_squared: R,
         /// Speed² \[m²/s²\].
@@ -24,7 +24,7 @@ impl CaptureTest<f64> {
     pub fn new(thresholds: &CaptureThresholds<f64>) -> Self {
         Self {
             distance_squared: thresholds.distance.powi(2),
-            cos_half_angle: (0.5 * thresholds.angle).cos(),
+            sin_squared: (0.5 * thresholds.angle).sin().powi(2),
             rate_squared: thresholds.rate.powi(2),
             speed_squared: thresholds.speed.powi(2),
         }
@@ -37,7 +37,7 @@ impl<R: Real> CaptureTest<R> {
     pub fn holds(&self, error: &TrackingError<R>, motion: &Motion<R>, distance_from_debris: bool) -> R::Mask {
         let distance = if distance_from_debris { motion.position } else { error.position };
         distance.norm_squared().lt(self.distance_squared)
-            & self.cos_half_angle.lt(error.attitude.scalar())
+            & error.attitude.vector().norm_squared().lt(self.sin_squared)
             & error.rate.norm_squared().lt(self.rate_squared)
             & error.velocity.norm_squared().lt(self.speed_squared)
     }
@@ -46,8 +46,8 @@ impl<R: Real> CaptureTest<R> {
 batch_struct! {
     /// Thresholds of a settled stack, likewise.
     pub struct SettledTest<R> {
-        /// cos of half the angle.
-        pub cos_half_angle: R,
+        /// sin² of half the angle.
+        pub sin_squared: R,
         /// Rate² \[rad²/s²\].
         pub rate_squared: R,
     }
@@ -56,7 +56,15 @@ batch_struct! {
 impl SettledTest<f64> {
     /// From the thresholds as a person writes them.
     pub fn new(thresholds: &SettledThresholds<f64>) -> Self {
-        Self { cos_half_angle: (0.5 * thresholds.angle).cos(), rate_squared: thresholds.rate.powi(2) }
+        Self { sin_squared: (0.5 * thresholds.angle).sin().powi(2), rate_squared: thresholds.rate.powi(2) }
+    }
+}
+
+impl<R: Real> SettledTest<R> {
+    /// Which lanes hold now. `error` is the true one, against H.
+    #[inline(always)]
+    pub fn holds(&self, error: &TrackingError<R>) -> R::Mask {
+        error.attitude.vector().norm_squared().lt(self.sin_squared) & error.rate.norm_squared().lt(self.rate_squared)
     }
 }
 

@@ -9,12 +9,14 @@ use crate::number::{Real, Vec3};
 /// Clipping turns the direction of a demand far over the limit; scaling keeps it.
 #[inline(always)]
 pub fn saturate<R: Real>(demand: Vec3<R>, limit: Vec3<R>, scaled: bool) -> Vec3<R> {
-    if scaled {
+    let fitted = if scaled {
         let excess = (demand.abs() / limit).max_component().max(R::one());
         demand * (R::one() / excess)
     } else {
-        demand.clamp(-limit, limit)
-    }
+        demand
+    };
+    // A scaled demand may be over the limit by a rounding.
+    fitted.clamp(-limit, limit)
 }
 
 #[cfg(test)]

@@ -97,8 +97,8 @@ fn effort_of_a_scripted_flight_has_its_known_numbers() {
     assert_near(&[s.peak_torque_command, s.peak_torque], &[0.05, 0.02], 0.0);
     // Two of ten ticks.
     assert_near(&[s.force_saturated_share, s.torque_saturated_share], &[0.2, 0.2], 1e-16);
-    // 0.6 up, 0.6 down, 0.4 up, 0.4 down; 0.02 twice, 0.01 twice; over 5 s.
-    assert_near(&[s.force_chattering, s.torque_chattering], &[0.4, 0.012], 1e-16);
+    // Asked for: 1.2 up, 1.2 down, 0.4 up, 0.4 down; 0.05 twice, 0.01 twice; over 5 s.
+    assert_near(&[s.force_chattering, s.torque_chattering], &[0.64, 0.024], 1e-15);
     // Nothing happened.
     for never in [s.capture_time, s.settling_time, s.diverged_time, s.final_rate, s.capture_distance] {
         assert!(never.is_nan());
@@ -198,6 +198,19 @@ fn capture_without_a_merge_is_noted_and_nothing_else_changes() {
     for none in [s.settling_time, s.final_rate, s.final_pointing, s.momentum_at_capture, s.final_momentum] {
         assert!(none.is_nan());
     }
+}
+
+#[test]
+fn capture_distance_is_the_one_that_was_judged() {
+    // 0.3 m from the debris, 0.7 m from a goal on its other side.
+    let mut recipe = recipe(damper());
+    recipe.case.start.position = Vec3([0.0, 0.3, 0.0]);
+    recipe.case.goal.position = Vec3([0.0, -0.4, 0.0]);
+    assert!(summary(&recipe).capture_time.is_nan());
+    recipe.plan.distance_from_debris = true;
+    let s = summary(&recipe);
+    assert_eq!(s.capture_time, 0.0);
+    assert_near(&[s.capture_distance], &[0.3], 1e-16);
 }
 
 #[test]

@@ -145,14 +145,15 @@ pub fn spin_step<R: Real, B: RigidBody<R>>(body: &B, spin: &Spin<R>, torque: Vec
     Spin { attitude: renormalized(spin.attitude * small_rotation(turn)), rate: new_rate }
 }
 
-/// The rotation by a vector of which the powers left out, (|φ|/2)⁹/9! and beyond, are far below the error of the step.
+/// The rotation by a vector. The series end at (|φ|/2)¹⁰: rounding for turns up to 0.5 rad.
 #[inline(always)]
 fn small_rotation<R: Real>(turn: Vec3<R>) -> Quat<R> {
     let half = turn * R::splat(0.5);
     let x = half.norm_squared();
     let k = R::splat;
-    let sine = x.mul_add(x.mul_add(x.mul_add(k(-1.0 / 5040.0), k(1.0 / 120.0)), k(-1.0 / 6.0)), k(1.0));
-    let cosine = x.mul_add(k(1.0 / 40320.0), k(-1.0 / 720.0));
+    let sine = x.mul_add(x.mul_add(k(1.0 / 362_880.0), k(-1.0 / 5040.0)), k(1.0 / 120.0));
+    let sine = x.mul_add(x.mul_add(sine, k(-1.0 / 6.0)), k(1.0));
+    let cosine = x.mul_add(x.mul_add(k(-1.0 / 3_628_800.0), k(1.0 / 40_320.0)), k(-1.0 / 720.0));
     let cosine = x.mul_add(x.mul_add(x.mul_add(cosine, k(1.0 / 24.0)), k(-0.5)), k(1.0));
     Quat::from_parts(cosine, half * sine)
 }

@@ -97,7 +97,7 @@ fn capture_without_dwell_is_at_the_first_tick_that_holds_and_happens_once() {
 #[test]
 fn settled_thresholds_are_half_angle_and_square() {
     let test = SettledTest::new(&SettledThresholds { angle: 0.2, rate: 0.005 });
-    // cos 0.1 and 25e-6.
-    assert!((test.cos_half_angle - 0.995_004_165_278_025_8).abs() < 1e-16);
+    // sin² 0.1 and 25e-6.
+    assert!((test.sin_squared - 0.009_966_711_079_379_185).abs() < 1e-17);
     assert!((test.rate_squared - 25e-6).abs() < 1e-20);
 }

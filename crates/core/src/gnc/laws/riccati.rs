@@ -36,9 +36,10 @@ pub struct System {
 /// K, split into the gains of e and of v. NaN where weights lie so far apart that double precision has no answer.
 pub fn gain(system: &System, weights: &Weights) -> [Mat3<f64>; 2] {
     let mut k = stabilising_gain(system, weights);
+    let scales = state_scales(system, weights);
     let mut change = f64::INFINITY;
     for _ in 0..60 {
-        let next = newton_step(system, weights, &k);
+        let next = newton_step(system, weights, &scales, &k);
         change = largest_difference(&next, &k);
         k = next;
         if change < 1e-14 {
@@ -62,7 +63,24 @@ fn stabilising_gain(system: &System, weights: &Weights) -> [Mat3<f64>; 2] {
     ]
 }
 
-fn newton_step(system: &System, weights: &Weights, k: &[Mat3<f64>; 2]) -> [Mat3<f64>; 2] {
+/// Units for e and v in which P is of the order of 1 on the whole diagonal: the size of each axis' own scalar solution.
+/// Weights many decades apart would otherwise drown the small entries in the rounding of the large ones.
+fn state_scales(system: &System, weights: &Weights) -> [f64; STATES] {
+    let inverse = system.input.inverse();
+    let mut scales = [1.0; STATES];
+    for i in 0..3 {
+        let (q_error, q_rate, r) = (weights.q_error.0[i], weights.q_rate.0[i], weights.r);
+        let effort = inverse.0[i][i].abs();
+        let cross = effort * (r * q_error).sqrt();
+        let rate = effort * (r * (q_rate + 2.0 * system.coupling * cross)).sqrt();
+        let error = cross * rate / (system.coupling * effort * effort * r);
+        scales[i] = error.sqrt().recip();
+        scales[i + 3] = rate.sqrt().recip();
+    }
+    scales
+}
+
+fn newton_step(system: &System, weights: &Weights, scales: &[f64; STATES], k: &[Mat3<f64>; 2]) -> [Mat3<f64>; 2] {
     let closed = [system.stiffness - system.input * k[0], system.damping - system.input * k[1]];
     let mut a: Matrix = [[0.0; STATES]; STATES];
     let mut cost: Matrix = [[0.0; STATES]; STATES];
@@ -81,13 +99,19 @@ fn newton_step(system: &System, weights: &Weights, k: &[Mat3<f64>; 2]) -> [Mat3<
             }
         }
     }
+    for i in 0..STATES {
+        for j in 0..STATES {
+            a[i][j] *= scales[j] / scales[i];
+            cost[i][j] *= scales[i] * scales[j];
+        }
+    }
     let p = lyapunov(&a, &cost);
     let transposed_input = system.input.transpose();
     let block = |column: usize| {
         let mut m = Mat3([[0.0; 3]; 3]);
         for i in 0..3 {
             for j in 0..3 {
-                m.0[i][j] = p[i + 3][column + j];
+                m.0[i][j] = p[i + 3][column + j] / (scales[i + 3] * scales[column + j]);
             }
         }
         (transposed_input * m).scale(1.0 / weights.r)
@@ -106,6 +130,8 @@ fn lyapunov(a: &Matrix, cost: &Matrix) -> Matrix {
                 row[STATES * i + l] += a[l][j];
             }
             row[PAIRS] = -cost[i][j];
+            let largest = row[..PAIRS].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            row.iter_mut().for_each(|x| *x /= largest);
         }
     }
     for column in 0..PAIRS {
