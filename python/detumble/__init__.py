@@ -10,10 +10,11 @@ Everything is loaded when it is first used: `import detumble` costs next to noth
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+TYPE_CHECKING = False  # as type checkers know it; importing it from typing would cost more than all the rest
 
 if TYPE_CHECKING:
+    from typing import Any
+
     from detumble.errors import RequestError, ScenarioError
     from detumble.flight import Flight, read_netcdf, simulate
     from detumble.scenario import LAWS, Scenario, load
@@ -50,6 +51,8 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module 'detumble' has no attribute {name!r}")
+    from importlib import import_module
+
     module, attribute = _HOMES[name]
     value = getattr(import_module(module), attribute)
     globals()[name] = value

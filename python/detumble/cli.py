@@ -1,53 +1,17 @@
-"""The command line: parses, calls, prints. Exit codes: 0 done, 1 the run failed, 2 the request is wrong."""
+"""Where the command line begins. It imports next to nothing: Ctrl-C is quiet from here on, whatever is being imported."""
 
 from __future__ import annotations
 
 import sys
-from typing import Annotated
-
-import typer
-
-from detumble import __version__
-from detumble.commands.bench import bench
-from detumble.commands.paper import paper
-from detumble.commands.run import run
-from detumble.commands.scenarios import scenarios
-from detumble.commands.schema import schema
-from detumble.errors import RequestError
-
-app = typer.Typer(
-    name="detumble",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-for command in (paper, run, scenarios, schema, bench):
-    app.command()(command)
-
-
-def _version(asked: bool) -> None:
-    if asked:
-        print(f"detumble {__version__}")
-        raise typer.Exit
-
-
-@app.callback()
-def options(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and leave.")
-    ] = False,
-) -> None:
-    """Which control law captures this tumbling target with this chaser: how fast, at what delta-v, and how sure."""
 
 
 def main() -> None:
-    """Run the command line; a mistake of the user's ends in one message and exit code 2."""
+    """Run the command line. Exit codes: 0 done, 1 the run failed, 2 the request is wrong, 130 stopped by Ctrl-C."""
     try:
-        app()
-    except RequestError as error:
-        print(error, file=sys.stderr)
-        sys.exit(2)
+        from detumble.shell import run
+    except KeyboardInterrupt:
+        sys.exit(130)
+    run()
 
 
 if __name__ == "__main__":

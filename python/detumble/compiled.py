@@ -18,6 +18,8 @@ def core() -> ModuleType:
         RequestError: it has not been built.
     """
     try:
+        import numpy as np  # noqa: F401  # the core would load it itself, and panic if Ctrl-C came during that
+
         from detumble import _core
     except ImportError as error:
         raise RequestError(f"the compiled core cannot be loaded ({error}); `make setup` builds it") from None

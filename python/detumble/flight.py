@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MOST_SEED = 2**64 - 1
+MOST_TURN = 0.1
+"""Largest turn of a body in one integration step, rad, up to which its rotation is accurate."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +121,7 @@ def simulate(
 
     Raises:
         ScenarioError: the scenario cannot be flown.
-        RequestError: the seed or the back end cannot be used.
+        RequestError: law, seed or back end cannot be used.
     """
     scenario = scenario.model_copy(deep=True) if isinstance(scenario, Scenario) else load(scenario)
     for name, number in (("seed", seed), ("index", index)):
@@ -141,7 +144,7 @@ def simulate(
         history=flown["history"],
         metrics=metrics,
         events=events,
-        warnings=_warnings(metrics, events, scenario, law),
+        warnings=_warnings(metrics, events, scenario, law, _fast_turn(flown["history"], recipe["plan"])),
     )
 
 
@@ -166,7 +169,7 @@ def _events(metrics: Metrics, flown: Mapping[str, Any]) -> tuple[Event, ...]:
     events = []
     if metrics.capture_time is not None:
         merge = flown["merge"]
-        events.append(Event("captured", metrics.capture_time, dict(merge) if merge else {}))
+        events.append(Event("captured", metrics.capture_time, _listed(merge or {})))
         if metrics.settling_time is not None:
             events.append(Event("settled", metrics.capture_time + metrics.settling_time))
     if metrics.diverged_time is not None:
@@ -185,7 +188,33 @@ def _cause(history: Mapping[str, NDArray[np.float64]]) -> str:
     return f"the state left the numbers; last finite {name}: {last[name]:.3g} {units[name]}"
 
 
-def _warnings(metrics: Metrics, events: tuple[Event, ...], scenario: Scenario, law: str) -> tuple[str, ...]:
+def _listed(value: Any) -> Any:
+    """Give lists for tuples all through, as a flight that was read back has them."""
+    if isinstance(value, dict):
+        return {key: _listed(element) for key, element in value.items()}
+    return [_listed(element) for element in value] if isinstance(value, list | tuple) else value
+
+
+def _fast_turn(history: Mapping[str, NDArray[np.float64]], plan: Mapping[str, Any]) -> str:
+    """Say that a body turns too far in an integration step, and which step would do; empty where none does."""
+    import numpy as np
+
+    step = plan["control_period"] / plan["steps_per_period"]
+    rates = np.concatenate((history["chaser_rate"], history["debris_rate"]))
+    fastest = float(np.hypot.reduce(rates, axis=1).max(initial=0.0))
+    if fastest * step <= MOST_TURN:
+        return ""
+    enough = MOST_TURN / fastest
+    digit = 10.0 ** (math.floor(math.log10(enough)) - 1)
+    return (
+        f"a body turns up to {fastest * step:.2g} rad in an integration step of {step:.4g} s: rotation is then no longer "
+        f"accurate; a step of {math.floor(enough / digit) * digit:.2g} s brings it below {MOST_TURN:g} rad"
+    )
+
+
+def _warnings(
+    metrics: Metrics, events: tuple[Event, ...], scenario: Scenario, law: str, fast_turn: str
+) -> tuple[str, ...]:
     found = []
     diverged = next((event for event in events if event.name == "diverged"), None)
     if metrics.capture_time == 0.0 and law != "none":
@@ -196,4 +225,6 @@ def _warnings(metrics: Metrics, events: tuple[Event, ...], scenario: Scenario, l
         found.append(f"not captured within {scenario.time.duration:.10g} s")
     elif metrics.settling_time is None and law != "none" and scenario.capture.merge:
         found.append("captured, but not settled at the end of the flight")
+    if fast_turn and not diverged:
+        found.append(fast_turn)
     return tuple(found)

@@ -16,7 +16,7 @@ from detumble.errors import RequestError
 from detumble.metrics import METRICS, Metrics
 from detumble.scenario.files import from_toml
 from detumble.variables import AXES, COMPONENTS, VARIABLES
-from detumble.writing import whole_file
+from detumble.writing import write_bytes
 
 if TYPE_CHECKING:
     from detumble.flight import Flight
@@ -58,17 +58,9 @@ def _attributes(flight: Flight) -> dict[str, Any]:
         "scenario": flight.scenario.to_toml(),
         "metrics": json.dumps(flight.metrics.to_json()),
         "metric_definitions": json.dumps({metric.key: metric.definition for metric in METRICS}),
-        "events": json.dumps([_plain(asdict(event)) for event in flight.events]),
+        "events": json.dumps([asdict(event) for event in flight.events]),
         "warnings": json.dumps(flight.warnings),
     }
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(element) for key, element in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(element) for element in value]
-    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def write(flight: Flight, path: str | os.PathLike[str]) -> None:
@@ -77,8 +69,8 @@ def write(flight: Flight, path: str | os.PathLike[str]) -> None:
     Raises:
         RequestError: it cannot be written.
     """
-    with whole_file(Path(path)) as temporary:
-        flight.data.to_netcdf(temporary, engine="h5netcdf")
+    # in memory first: HDF5 crashes when the disk is full
+    write_bytes(Path(path), flight.data.to_netcdf(None, engine="h5netcdf"))
 
 
 def read(path: str | os.PathLike[str]) -> Flight:

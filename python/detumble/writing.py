@@ -37,38 +37,44 @@ def whole_file(path: Path) -> Iterator[Path]:
             temporary.unlink()
 
 
+def write_bytes(path: Path, content: bytes | memoryview) -> None:
+    """Write `path`, whole or not at all."""
+    with whole_file(path) as temporary:
+        temporary.write_bytes(content)
+
+
 def write_text(path: Path, text: str) -> None:
     """Write UTF-8 text to `path`, whole or not at all."""
-    with whole_file(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
+    write_bytes(path, text.encode("utf-8"))
 
 
 @contextmanager
-def output_folder(path: Path | None) -> Iterator[Path | None]:
+def output_folder(path: Path | None) -> Iterator[None]:
     """Create a folder for results and make sure that files can be made in it, before the work that fills it begins.
 
     Args:
         path: the folder; folders above it are created too. None asks for no folder.
 
     Yields:
-        The same path. If the work fails, folders that were created for it and are still empty are taken away again.
+        Nothing. If the work fails, folders that were created for it and are still empty are taken away again.
 
     Raises:
         RequestError: it cannot be created, or takes no files.
     """
     if path is None:
-        yield None
+        yield
         return
-    created = [folder for folder in (path, *path.parents) if not folder.exists()]
+    created: list[Path] = []
     try:
         try:
+            created += [folder for folder in (path, *path.parents) if not folder.exists()]
             path.mkdir(parents=True, exist_ok=True)
             probe = path / f".detumble.{os.getpid()}"
             probe.touch()
             probe.unlink()
         except OSError as error:
             raise RequestError(f"{path}: cannot be used as an output folder: {reason(error)}") from None
-        yield path
+        yield
     except BaseException:
         for folder in created:
             with suppress(OSError):

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from detumble.compiled import core
-from detumble.errors import ScenarioError
+from detumble.errors import RequestError, ScenarioError
 from detumble.scenario import LAWS, Scenario, load, with_settings
 from detumble.scenario.core import case, ticks
 
@@ -81,5 +81,5 @@ def test_a_law_without_gains_or_unknown_is_refused(paper: Scenario) -> None:
     paper.laws.pd = None
     with pytest.raises(ScenarioError, match=r"laws\.pd  missing; this scenario has gains for lqr, sosmc, tsmc, prrl"):
         case(paper, "pd")
-    with pytest.raises(ScenarioError, match=r"no law 'prl'; did you mean prrl\?"):
+    with pytest.raises(RequestError, match=r"law 'prl': must be one of pd, .*; did you mean prrl\?$"):
         case(paper, "prl")

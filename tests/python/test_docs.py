@@ -32,7 +32,8 @@ import pytest
 import typer
 
 import detumble
-from detumble.cli import app, main
+from detumble.cli import main
+from detumble.commands.app import app
 from detumble.metrics import METRICS
 from detumble.scenario import LAWS, Scenario, from_toml, with_settings
 from detumble.scenario.faults import validated

@@ -9,5 +9,8 @@ mod one;
 pub use many::{Fleet, Outcome, Workload, fly_many, fly_workload};
 pub use one::{FlightRecord, fly_one};
 
+/// The stop flag of flights that nobody stops.
+pub static UNSTOPPED: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
+
 #[cfg(test)]
 mod tests;

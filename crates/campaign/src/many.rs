@@ -2,11 +2,13 @@
 
 use detumble_core::batch::Batch;
 use detumble_core::case::{Motion, Plan};
-use detumble_core::closed_loop::{Flight, Laws, Numbers, Observer, Scene, fly};
+use detumble_core::closed_loop::{Flight, Observer, fly};
 use detumble_core::hardware::sensors::Noisy;
 use detumble_core::metrics::{Impulse, Metrics, Summary};
 use detumble_core::number::{Backend, Job, Real, Stream, dispatch};
+use detumble_core::scene::{Laws, Numbers, Scene};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What is the same for every flight, and how many there are.
 pub struct Fleet<'a> {
@@ -26,6 +28,8 @@ pub struct Fleet<'a> {
     pub backend: Backend,
     /// Threads to use, at least one.
     pub threads: usize,
+    /// Once set, blocks not yet begun are left out.
+    pub stop: &'a AtomicBool,
 }
 
 /// A flight's end and metrics.
@@ -73,6 +77,9 @@ fn in_blocks<T: Send>(
     let lanes = fleet.backend.lanes();
     let blocks = fleet.flights.div_ceil(lanes);
     let one_block = |b: usize| {
+        if fleet.stop.load(Ordering::Relaxed) {
+            return Vec::new();
+        }
         let first = b * lanes;
         let last = (first + lanes).min(fleet.flights);
         fly_block(Block { fleet, numbers: (first..last).map(numbers).collect(), first })

@@ -2,11 +2,15 @@
 //! of the same flight in a fleet.
 
 use detumble_core::case::FlightRecipe;
-use detumble_core::closed_loop::{Laws, Numbers, Scene, fly};
+use detumble_core::case::Motion;
+use detumble_core::closed_loop::{Flight, Observer, Tick, fly};
+use detumble_core::gnc::error::TrackingError;
 use detumble_core::hardware::sensors::Noisy;
 use detumble_core::history::{History, Merge, Series};
 use detumble_core::metrics::{Metrics, Summary};
 use detumble_core::number::{Backend, Job, Real, Stream, dispatch};
+use detumble_core::scene::{Laws, Numbers, Scene};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A flight: rows, events, numbers.
 pub struct FlightRecord {
@@ -18,11 +22,11 @@ pub struct FlightRecord {
     pub summary: Summary,
 }
 
-/// Flies `recipe` with the noise of trajectory `index` of `seed`.
-pub fn fly_one(recipe: &FlightRecipe, seed: u64, index: u64, backend: Backend) -> FlightRecord {
+/// Flies `recipe` with the noise of trajectory `index` of `seed`; breaks off once `stop` is set.
+pub fn fly_one(recipe: &FlightRecipe, seed: u64, index: u64, backend: Backend, stop: &AtomicBool) -> FlightRecord {
     let numbers = Numbers::new(&recipe.case, &recipe.plan);
     let laws = Laws::new(&recipe.law, &recipe.case, &recipe.plan);
-    dispatch(backend, OneFlight { recipe, numbers: &numbers, laws: &laws, seed, index })
+    dispatch(backend, OneFlight { recipe, numbers: &numbers, laws: &laws, seed, index, stop })
 }
 
 struct OneFlight<'a> {
@@ -31,6 +35,7 @@ struct OneFlight<'a> {
     laws: &'a Laws,
     seed: u64,
     index: u64,
+    stop: &'a AtomicBool,
 }
 
 impl Job for OneFlight<'_> {
@@ -43,10 +48,25 @@ impl Job for OneFlight<'_> {
         let scene = Scene::<R>::new(plan, Noisy::new(&self.recipe.case.sensors), &|_| self.numbers, &pick_laws);
         let dice = Stream::new(self.seed, |_| self.index);
         let mut flight = scene.start();
-        let mut observer = (History::new(plan.periods), Metrics::default());
+        let mut observer = (Interruptible(self.stop), (History::new(plan.periods), Metrics::default()));
         fly(&scene, &mut flight, &dice, &mut observer);
-        let (history, metrics) = observer;
+        let (_, (history, metrics)) = observer;
         let summary = metrics.summary(&scene, &flight, 0);
         FlightRecord { merge: history.merge, series: history.into_series(), summary }
+    }
+}
+
+/// Has seen enough when someone says stop.
+struct Interruptible<'a>(&'a AtomicBool);
+
+impl<R: Real> Observer<R> for Interruptible<'_> {
+    fn captured(&mut self, _: &Scene<'_, R>, _: R::Mask, _: &Motion<R>, _: &TrackingError<R>) {}
+
+    #[inline(always)]
+    fn observe(&mut self, _: &Scene<'_, R>, _: &Flight<R>, _: &Tick<R>) {}
+
+    #[inline(always)]
+    fn has_seen_enough(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
     }
 }

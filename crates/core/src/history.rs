@@ -1,9 +1,10 @@
 //! The full history of one flight: a row at every control tick, and what happened at capture.
 
 use crate::case::Motion;
-use crate::closed_loop::{Flight, Observer, Scene, Tick};
+use crate::closed_loop::{Flight, Observer, Tick};
 use crate::gnc::error::TrackingError;
 use crate::number::{Mask, Mat3, Real};
+use crate::scene::Scene;
 
 /// A named series with a fixed number of components, row by row.
 #[derive(Clone, Debug)]

@@ -9,7 +9,7 @@
 //! - [`plant`]: orbit, attitude, propagation, and how two bodies become one
 //! - [`hardware`]: sensors and actuators
 //! - [`gnc`]: guidance, tracking errors, capture, control laws
-//! - [`closed_loop`]: one control period, top to bottom on one screen
+//! - [`closed_loop`]: one control period, top to bottom on one screen; [`scene`]: what a batch of flights has in common
 //! - [`metrics`], [`history`]: what is kept of a flight
 //!
 //! Units are SI. Frames: N inertial, H the target orbit's LVLH frame, C chaser, D debris, S the stack after capture.
@@ -23,6 +23,7 @@ pub mod history;
 pub mod metrics;
 pub mod number;
 pub mod plant;
+pub mod scene;
 
 #[cfg(test)]
 mod tests;

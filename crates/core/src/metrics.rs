@@ -13,10 +13,11 @@
 //! | momentum | \|I ω\| of the stack about its centre of mass, ω against N |
 
 use crate::case::Motion;
-use crate::closed_loop::{Flight, Observer, Scene, Tick};
+use crate::closed_loop::{Flight, Observer, Tick};
 use crate::gnc::error::TrackingError;
 use crate::number::{Real, Vec3};
 use crate::plant::propagate::Wrench;
+use crate::scene::Scene;
 
 const NEVER: f64 = f64::INFINITY;
 

@@ -2,17 +2,20 @@
 
 use detumble_campaign::{Fleet, FlightRecord, fly_many, fly_one, fly_workload};
 use detumble_core::case::{Case, FlightRecipe, Motion, Plan};
-use detumble_core::closed_loop::{Laws, Numbers};
 use detumble_core::gnc::laws::{LawRecipe, lqr};
 use detumble_core::hardware::sensors::Noisy;
 use detumble_core::history::Merge;
 use detumble_core::metrics::Summary;
 use detumble_core::number::{Backend, Mat3, Quat, Vec3, fma_peak};
+use detumble_core::scene::{Laws, Numbers};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pythonize::{depythonize, pythonize};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::RecvTimeoutError;
+use std::time::Duration;
 
 /// The compiled core of detumble.
 #[pymodule]
@@ -38,8 +41,11 @@ fn fly<'py>(
     backend: Option<&str>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let recipe = recipe(case)?;
+    sound_laws(&recipe.law, &recipe.case, &recipe.plan)?;
     let backend = named_backend(backend, Backend::best_for_one())?;
-    let FlightRecord { series, merge, summary } = py.detach(|| fly_one(&recipe, seed, index, backend));
+    let stop = AtomicBool::new(false);
+    let FlightRecord { series, merge, summary } =
+        interruptible(py, &stop, || fly_one(&recipe, seed, index, backend, &stop))?;
 
     let history = PyDict::new(py);
     for series in series {
@@ -100,7 +106,7 @@ fn fly_starts<'py>(
     }
     let flights = starts.shape()[0];
     let starts = starts.as_slice().map_err(|_| PyValueError::new_err("starts: must be C-contiguous"))?;
-    let laws = Laws::new(&law, &case, &plan);
+    let laws = sound_laws(&law, &case, &plan)?;
     let shared = Numbers::new(&case, &plan);
     let numbers = |i: usize| {
         let mut own = shared;
@@ -108,18 +114,19 @@ fn fly_starts<'py>(
         own
     };
     let noisy = Noisy::new(&case.sensors);
-    let fleet = Fleet { plan: &plan, noisy, laws: &laws, seed, first_index, flights, backend, threads };
+    let stop = AtomicBool::new(false);
+    let fleet = Fleet { plan: &plan, noisy, laws: &laws, seed, first_index, flights, backend, threads, stop: &stop };
 
     let result = PyDict::new(py);
     let array = |values: Vec<f64>| PyArray1::from_vec(py, values);
     if light {
-        let outcomes = py.detach(|| fly_workload(&fleet, &numbers));
+        let outcomes = interruptible(py, &stop, || fly_workload(&fleet, &numbers))?;
         let ends = outcomes.iter().flat_map(|o| state(&o.end)).collect();
         result.set_item("final_state", array(ends).reshape([flights, STATES])?)?;
         result.set_item("capture_time", array(outcomes.iter().map(|o| o.capture_time).collect()))?;
         result.set_item("impulse", array(outcomes.iter().map(|o| o.impulse).collect()))?;
     } else {
-        let outcomes = py.detach(|| fly_many(&fleet, &numbers));
+        let outcomes = interruptible(py, &stop, || fly_many(&fleet, &numbers))?;
         let ends = outcomes.iter().flat_map(|o| state(&o.end)).collect();
         result.set_item("final_state", array(ends).reshape([flights, STATES])?)?;
         let column = |name: &str, pick: fn(&Summary) -> f64| {
@@ -198,6 +205,45 @@ fn recipe(dict: &Bound<'_, PyDict>) -> PyResult<FlightRecipe> {
     let law: LawRecipe = depythonize(&take("law")?)?;
     let plan: Plan = depythonize(&take("plan")?)?;
     Ok(FlightRecipe { case, law, plan })
+}
+
+/// The laws, if their gains are numbers.
+fn sound_laws(law: &LawRecipe, case: &Case<f64>, plan: &Plan) -> PyResult<Laws> {
+    let laws = Laws::new(law, case, plan);
+    if laws.have_finite_gains() {
+        return Ok(laws);
+    }
+    let text =
+        "laws.lqr: the Riccati equation has no solution in double precision for these weights, lying too far apart";
+    Err(PyValueError::new_err(text))
+}
+
+/// Computes on a thread of its own, so that Ctrl-C is heard meanwhile: then `stop` is set, and the work breaks off.
+fn interruptible<T: Send>(py: Python<'_>, stop: &AtomicBool, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    const PATIENCE: Duration = Duration::from_millis(50);
+    std::thread::scope(|scope| {
+        let (done, mut news) = std::sync::mpsc::channel();
+        scope.spawn(move || done.send(work()));
+        loop {
+            let heard;
+            (news, heard) = py.detach(move || {
+                let heard = news.recv_timeout(PATIENCE);
+                (news, heard)
+            });
+            match heard {
+                Ok(result) => return Ok(result),
+                Err(RecvTimeoutError::Timeout) => {
+                    if let Err(interrupt) = py.check_signals() {
+                        stop.store(true, Ordering::Relaxed);
+                        return Err(interrupt);
+                    }
+                }
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Err(PyRuntimeError::new_err("the core stopped unexpectedly; this is a fault of detumble"));
+                }
+            }
+        }
+    })
 }
 
 fn named_backend(name: Option<&str>, default: Backend) -> PyResult<Backend> {

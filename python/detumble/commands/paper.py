@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from detumble.commands.arguments import folder
 from detumble.commands.printing import fixed, json_text, print_json, remark, table
 
 if TYPE_CHECKING:
@@ -16,7 +17,9 @@ SCENARIO = "paper"
 
 
 def paper(
-    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write figures, numbers and scenario here.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(parser=folder, metavar="DIR", help="Write figures, numbers and scenario here.")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
     """Fly the paper's case under its five laws and compare."""
@@ -27,11 +30,11 @@ def paper(
     from detumble.writing import output_folder
 
     scenario = load(SCENARIO)
-    with output_folder(out) as folder:
+    with output_folder(out):
         flights = {law: simulate(scenario, law) for law in PUBLISHED_CAPTURE_TIMES}
         minimum = float(minimum_capture_time(scenario))
         result = {"laws": {law: _numbers(law, flight, minimum) for law, flight in flights.items()}}
-        files = _write(flights, result, minimum, folder) if folder else []
+        files = _write(flights, result, minimum, out) if out else []
     if as_json:
         print_json({**result, "files": [str(file) for file in files]})
     else:

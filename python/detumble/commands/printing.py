@@ -17,8 +17,8 @@ def print_json(values: Mapping[str, Any]) -> None:
 
 
 def json_text(values: Mapping[str, Any]) -> str:
-    """Write an object as JSON; what is not finite becomes null."""
-    return json.dumps(_finite(values), indent=2, ensure_ascii=False, allow_nan=False)
+    """Write an object as JSON, which stays whole in any encoding; what is not finite becomes null."""
+    return json.dumps(_finite(values), indent=2, allow_nan=False)
 
 
 def _finite(value: Any) -> Any:

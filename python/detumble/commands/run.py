@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from detumble.commands.arguments import folder
 from detumble.commands.printing import cell, json_text, print_json, remark, table
 
 if TYPE_CHECKING:
@@ -24,7 +25,9 @@ def run(
     settings: Annotated[
         list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
     ] = None,
-    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write flight, scenario and metrics here.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(parser=folder, metavar="DIR", help="Write flight, scenario and metrics here.")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
     backend: Annotated[str | None, typer.Option(help="portable, avx2 or avx512; else the core chooses.")] = None,
 ) -> None:
@@ -36,9 +39,9 @@ def run(
     chosen = load(scenario)
     if settings or more:
         chosen = with_settings(chosen, [*(settings or ()), *(more or ())], scenario)
-    with output_folder(out) as folder:
+    with output_folder(out):
         flight = simulate(chosen, law, seed, backend=backend)
-        files = _write(flight, folder) if folder else []
+        files = _write(flight, out) if out else []
     if as_json:
         print_json(_json(flight, files))
     else:

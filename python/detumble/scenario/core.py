@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from detumble.errors import Fault, ScenarioError
+from detumble.errors import Fault, RequestError, ScenarioError
 from detumble.scenario.laws import LAWS
 from detumble.scenario.physics import tensor, unit
 from detumble.scenario.wording import did_you_mean
@@ -30,12 +30,14 @@ def case(scenario: Scenario, law: str) -> Tree:
         Nested dicts of floats, ints, bools and lists, SI, quaternions normalised, inertias 3x3.
 
     Raises:
-        ScenarioError: the scenario contradicts itself, or has no such law.
+        RequestError: there is no such law.
+        ScenarioError: the scenario contradicts itself, or has no gains for the law.
     """
-    scenario.check()
     if law not in (*LAWS, "none"):
-        problem = f"no law {law!r}{did_you_mean(law, LAWS).rstrip('?')}; there are {', '.join(LAWS)}, and none for open loop"
-        raise ScenarioError(scenario.title, problem=problem)
+        raise RequestError(
+            f"law {law!r}: must be one of {', '.join(LAWS)}, or none for open loop{did_you_mean(law, LAWS)}"
+        )
+    scenario.check()
     chaser, debris = scenario.chaser, scenario.debris
     orbit: Tree = {"mean_motion": scenario.orbit.mean_motion, "lvlh_attitude": unit(scenario.orbit.lvlh_attitude)}
     return {

@@ -47,13 +47,15 @@ def load(source: str | os.PathLike[str]) -> Scenario:
 
 
 def _read(name: str) -> str:
+    known = ", ".join(built_in())
+    if not name.strip():
+        raise ScenarioError(f'"{name}"', problem=f"names neither a built-in scenario ({known}) nor a file")
     try:
         return Path(name).read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
         problem = f"not UTF-8 text (byte 0x{error.object[error.start]:02x} at position {error.start})"
     except FileNotFoundError:
-        known = built_in()
-        problem = f"no such file, and no built-in scenario ({', '.join(known)}){did_you_mean(Path(name).stem, known)}"
+        problem = f"no such file, and no built-in scenario ({known}){did_you_mean(Path(name).stem, built_in())}"
     except IsADirectoryError:
         problem = "is a folder; a scenario is a TOML file"
     except ValueError:

@@ -94,7 +94,7 @@ class Orbit(Section):
 
 
 def _mass() -> Quantity:
-    return Quantity("kg", "mass", above=0.0, most=1e5)
+    return Quantity("kg", "mass", least=1e-3, most=1e5)
 
 
 def _inertia(meaning: str, *, rigid: bool = True) -> Quantity:

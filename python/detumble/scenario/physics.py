@@ -6,8 +6,12 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from detumble.scenario.wording import number
+
 NORM_SLACK = 1e-3
 """A quaternion typed with a few digits is accepted this far from unit norm, and normalised when used."""
+LEAST_MOMENT = 1e-9
+"""Least principal moment, kg m²: that of a gram a millimetre across. Far below it quotients leave the numbers."""
 TRIANGLE_SLACK = 1e-9
 """A flat plate meets the triangle inequality as an equality: rounding must not refuse it."""
 
@@ -46,6 +50,8 @@ def inertia_fault(inertia: Sequence[Any], *, rigid: bool = True) -> str | None:
         scale = max(abs(moment) for moment in inertia)
     if moments[0] <= 1e-12 * scale:
         return "must be " + kind.format(", ".join(f"{moment:.6g}" for moment in moments))
+    if moments[0] < LEAST_MOMENT:
+        return f"has a principal moment of {moments[0]:.6g}; must be at least {number(LEAST_MOMENT)}"
     others = moments[0] + moments[1]
     if rigid and moments[2] > others * (1.0 + TRIANGLE_SLACK):
         return f"the largest principal moment exceeds the sum of the others ({others:.6g}); no rigid body has that"

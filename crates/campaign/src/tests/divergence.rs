@@ -30,7 +30,7 @@ fn diverged_flight_is_reported_with_its_time_and_its_neighbours_are_untouched() 
             // Its history ends with the last whole state, one period earlier.
             let mut recipe = campaign.recipe(LOST);
             lose(LOST, &mut recipe.case);
-            let alone = fly_one(&recipe, SEED, FIRST + LOST as u64, backend);
+            let alone = fly_one(&recipe, SEED, FIRST + LOST as u64, backend, &crate::UNSTOPPED);
             let times = &alone.series[0].values;
             let diverged = with_lost[LOST].summary.diverged_time;
             println!("{way:?} {backend:?}: diverged at {diverged} s");

@@ -2,10 +2,10 @@
 
 use crate::{Fleet, Outcome, fly_many};
 use detumble_core::case::*;
-use detumble_core::closed_loop::{Laws, Numbers};
 use detumble_core::gnc::laws::{Form, Gains, LawRecipe, PhaseGains, lqr, pd, prrl, sosmc, tsmc};
 use detumble_core::hardware::sensors::Noisy;
 use detumble_core::number::{Backend, Mat3, Quat, Stream, Vec3};
+use detumble_core::scene::{Laws, Numbers};
 
 pub const LAWS: [&str; 5] = ["pd", "lqr", "sosmc", "tsmc", "prrl"];
 
@@ -59,8 +59,17 @@ impl Campaign {
         };
         let noisy = (0..flights).fold(Noisy::default(), |all, i| all.or(Noisy::new(&case(i).sensors)));
         let laws = Laws::new(&self.law, &case(0), &self.plan);
-        let fleet =
-            Fleet { plan: &self.plan, noisy, laws: &laws, seed: SEED, first_index: FIRST, flights, backend, threads };
+        let fleet = Fleet {
+            plan: &self.plan,
+            noisy,
+            laws: &laws,
+            seed: SEED,
+            first_index: FIRST,
+            flights,
+            backend,
+            threads,
+            stop: &crate::UNSTOPPED,
+        };
         fly_many(&fleet, &|i| Numbers::new(&case(i), &self.plan))
     }
 }

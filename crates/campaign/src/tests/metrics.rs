@@ -55,12 +55,12 @@ fn check(recipe: &FlightRecipe, record: &FlightRecord) {
     };
     same("force saturated", s.force_saturated_share, share(&force_command, case.actuators.force.0));
     same("torque saturated", s.torque_saturated_share, share(&torque_command, case.actuators.torque.0));
-    let variation = |applied: &[&[f64]]| {
-        let steps = applied[..flown].windows(2).flat_map(|w| (0..3).map(|i| (w[1][i] - w[0][i]).abs()));
+    let variation = |command: &[&[f64]]| {
+        let steps = command[..flown].windows(2).flat_map(|w| (0..3).map(|i| (w[1][i] - w[0][i]).abs()));
         steps.sum::<f64>() / (flown as f64 * period)
     };
-    same("force chattering", s.force_chattering, variation(&force));
-    same("torque chattering", s.torque_chattering, variation(&torque));
+    same("force chattering", s.force_chattering, variation(&force_command));
+    same("torque chattering", s.torque_chattering, variation(&torque_command));
 
     let (angle, rate) = (rows(record, "angle_error"), rows(record, "rate_error"));
     let Some(merge) = &record.merge else {
@@ -111,7 +111,7 @@ fn metrics_are_their_definitions_over_the_history() {
             let campaign = Campaign::new(law, way, 150, true);
             for i in 0..6 {
                 let recipe = campaign.recipe(i);
-                let record = fly_one(&recipe, SEED, FIRST + i as u64, Backend::best_for_one());
+                let record = fly_one(&recipe, SEED, FIRST + i as u64, Backend::best_for_one(), &crate::UNSTOPPED);
                 check(&recipe, &record);
                 captured += u32::from(record.merge.is_some());
                 settled += u32::from(record.summary.settling_time.is_finite());
@@ -128,7 +128,7 @@ fn merge_in_the_record_is_the_conserving_one_of_its_state_before() {
     let mut seen = 0;
     for i in 0..8 {
         let recipe = campaign.recipe(i);
-        let record = fly_one(&recipe, SEED, FIRST + i as u64, Backend::best_for_one());
+        let record = fly_one(&recipe, SEED, FIRST + i as u64, Backend::best_for_one(), &crate::UNSTOPPED);
         let Some(merge) = record.merge else { continue };
         seen += 1;
         // Angular momentum about the common centre of mass, in N: H turns from N's axes by n t about z.

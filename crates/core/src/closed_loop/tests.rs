@@ -2,8 +2,11 @@
 
 use super::*;
 use crate::case::*;
+use crate::gnc::laws::LawRecipe;
 use crate::gnc::laws::{Form, Gains, PhaseGains, pd};
+use crate::hardware::sensors::Noisy;
 use crate::number::Mat3;
+use crate::scene::{Laws, Numbers};
 use crate::tests::assert_near;
 
 struct Row {

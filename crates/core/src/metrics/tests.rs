@@ -2,10 +2,11 @@
 
 use super::*;
 use crate::case::*;
-use crate::closed_loop::{Laws, Numbers, fly};
+use crate::closed_loop::fly;
 use crate::gnc::laws::{Form, Gains, LawRecipe, PhaseGains, Segment, pd};
 use crate::hardware::sensors::Noisy;
 use crate::number::{Mat3, Quat, Stream};
+use crate::scene::{Laws, Numbers};
 use crate::tests::assert_near;
 
 /// Tick length 0.5 s, 10 periods; far apart, so nothing is captured unless told; no orbit.

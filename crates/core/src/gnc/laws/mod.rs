@@ -188,6 +188,16 @@ impl<R: Real> Law<R> {
     }
 }
 
+impl Law<f64> {
+    /// Whether all gains computed rather than given are numbers.
+    pub fn has_finite_gains(&self) -> bool {
+        [&self.translation, &self.rotation].iter().all(|channel| match channel {
+            Channel::Linear(linear) => linear.error.0.iter().chain(&linear.rate.0).flatten().all(|k| k.is_finite()),
+            Channel::Sliding(_) => true,
+        })
+    }
+}
+
 /// A phase's gains of both channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]

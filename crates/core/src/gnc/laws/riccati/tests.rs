@@ -158,21 +158,10 @@ fn gain_of_an_isotropic_body_is_the_closed_form() {
     }
 }
 
-/// Size of the closed loop's matrix over its slowest pole, from the closed form of one axis with the extremes of all: elimination
-/// loses as many digits.
-fn stiffness(system: &System, weights: &Weights) -> f64 {
-    let (least, most) = (|v: Vec3<f64>| v.0.into_iter().fold(f64::INFINITY, f64::min), Vec3::max_component);
-    let (heaviest, lightest) = (system.input.inverse().trace(), 1.0 / system.input.trace());
-    let stiffest = (most(weights.q_error) / weights.r).sqrt();
-    let damping = (most(weights.q_rate) / weights.r + 2.0 * system.coupling * heaviest * stiffest).sqrt();
-    let slowest = system.coupling * (least(weights.q_error) / weights.r).sqrt() / damping;
-    (damping / lightest).max(1.0) / slowest
-}
-
 #[test]
 fn equation_is_solved_and_the_loop_stable_for_awkward_weights() {
     let mut dice = Dice::new(32);
-    let (mut benign, mut worst_of_stiffness) = (0.0_f64, 0.0_f64);
+    let mut worst = 0.0_f64;
     for trial in 0..600 {
         // q/r from 1e-12 to 1e6 on every axis by itself: the same, near one another, or as far apart as it goes.
         let spread = [0.0, 3.0, 9.0][trial % 3];
@@ -190,13 +179,11 @@ fn equation_is_solved_and_the_loop_stable_for_awkward_weights() {
         };
         let k = gain(&system, &weights);
         assert!(is_stable(&closed_loop(&system, &k)), "trial {trial}: {weights:?}");
-        let (error, stiffness) = (residual(&system, &weights, &k), stiffness(&system, &weights));
-        assert!(error < 100.0 * f64::EPSILON * stiffness, "trial {trial}: {weights:?}: {error:e}, {stiffness:e}");
-        worst_of_stiffness = worst_of_stiffness.max(error / stiffness / f64::EPSILON);
-        benign = benign.max(if stiffness < 1e3 { error } else { 0.0 });
+        let error = residual(&system, &weights, &k);
+        assert!(error < 1e-12, "trial {trial}: {weights:?}: {error:e}");
+        worst = worst.max(error);
     }
-    println!("residual at most {worst_of_stiffness:.1} ε times the stiffness; {benign:.1e} where that is below 1000");
-    assert!(benign < 1e-12);
+    println!("largest residual {worst:.1e}");
 }
 
 #[test]
@@ -207,11 +194,9 @@ fn lyapunov_equation_is_solved() {
         let system = attitude(dice.inertia(0.5), 0.5);
         let a = closed_loop(&system, &stabilising_gain(&system, &weights));
         let mut cost = [[0.0; STATES]; STATES];
-        for i in NUMBERS {
-            for j in 0..=i {
-                cost[i][j] = dice.between(-1.0, 1.0);
-                cost[j][i] = cost[i][j];
-            }
+        for (i, j) in NUMBERS.flat_map(|i| (0..=i).map(move |j| (i, j))) {
+            let entry = dice.between(-1.0, 1.0);
+            (cost[i][j], cost[j][i]) = (entry, entry);
         }
         let p = lyapunov(&a, &cost);
         let pa = product(&p, &a);

@@ -1,0 +1,39 @@
+"""The commands gathered under one name."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from detumble import __version__
+from detumble.commands.bench import bench
+from detumble.commands.paper import paper
+from detumble.commands.run import run
+from detumble.commands.scenarios import scenarios
+from detumble.commands.schema import schema
+
+app = typer.Typer(
+    name="detumble",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+for command in (paper, run, scenarios, schema, bench):
+    app.command()(command)
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        print(f"detumble {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and leave.")
+    ] = False,
+) -> None:
+    """Which control law captures this tumbling target with this chaser: how fast, at what delta-v, and how sure."""

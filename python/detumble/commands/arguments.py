@@ -1,0 +1,18 @@
+"""Arguments that several commands take."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from detumble.errors import RequestError
+
+
+def folder(text: str) -> Path:
+    """Read the folder given with --out.
+
+    Raises:
+        RequestError: it has no name; as a path that would be the current folder.
+    """
+    if not text.strip():
+        raise RequestError('--out "": names no folder; the current one is "."')
+    return Path(text)
