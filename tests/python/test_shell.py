@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from detumble.scenario import Scenario, with_settings
+
 DETUMBLE = f"{shlex.quote(sys.executable)} -m detumble.cli"
 RUN = f"{DETUMBLE} run paper --set time.duration=1.0"
 
@@ -55,10 +57,9 @@ def test_closed_streams_are_no_mistake() -> None:
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
-def test_any_encoding_will_do(encoding: str, tmp_path: Path) -> None:
+def test_any_encoding_will_do(encoding: str, paper: Scenario, tmp_path: Path) -> None:
     scenario = tmp_path / "x.toml"
-    bash(f"{RUN} --set title='Δv 日本' --out {tmp_path}")
-    (tmp_path / "scenario.toml").rename(scenario)
+    with_settings(paper, ["title=Δv 日本", "time.duration=1.0"]).save(scenario)
     done = bash(f"{DETUMBLE} run {scenario}", PYTHONIOENCODING=encoding)
     assert done.returncode == 0
     assert done.stdout.startswith("dv ??\n")

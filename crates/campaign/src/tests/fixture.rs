@@ -113,7 +113,7 @@ fn case(i: usize) -> Case<f64> {
     let identity = Quat([1.0, 0.0, 0.0, 0.0]);
     let [share, ..] = dice.uniforms(0, 9);
     let tilted = |inertia: Mat3<f64>, block| {
-        if i % 3 != 0 {
+        if !i.is_multiple_of(3) {
             return inertia;
         }
         let axes = Quat::from_rotation_vector(vector(block, 0.6)).to_matrix();
