@@ -93,6 +93,7 @@ def _interruptible() -> Iterator[None]:
         nonlocal pressed
         pressed = True
         signal.signal(signal.SIGINT, signal.SIG_DFL)
+        sys.unraisablehook = lambda _: None  # met within a callback that can raise nothing, it would be printed
         sys.exit(130)
 
     signal.signal(signal.SIGINT, interrupt)

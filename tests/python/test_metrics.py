@@ -48,7 +48,7 @@ def test_saturated_share_counts_time_over_a_limit(open_loop: Flight) -> None:
 def test_chattering_is_total_variation_per_second(open_loop: Flight) -> None:
     # what is asked for: on at 0 is no change; 0.05 -> -0.2 and two axes on; all three off
     assert open_loop.metrics.force_chattering == pytest.approx((0.25 + 0.04 + 0.02 + 0.2 + 0.04 + 0.02) / 10.0)
-    assert open_loop.metrics.torque_chattering == pytest.approx(2 * (0.01 + 0.005) / 10.0)
+    assert open_loop.metrics.torque_chattering == pytest.approx(2 * (0.02 + 0.005) / 10.0)
 
 
 def test_what_did_not_happen_is_none(open_loop: Flight) -> None:

@@ -118,6 +118,15 @@ def test_ctrl_c_before_anything_is_imported_is_quiet_too() -> None:
     assert (done.returncode, done.stderr) == (130, "")
 
 
+def test_ctrl_c_within_a_callback_that_can_raise_nothing_is_quiet() -> None:
+    program = INTERRUPTED.replace("signal.raise_signal(signal.SIGINT)", "Dying()")
+    dying = "class Dying:\n    def __del__(self): signal.raise_signal(signal.SIGINT)\n"
+    program = dying + program.format(module="typer", then="raise", folder="").replace("\"--out\", '', ", "")
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.returncode == 130
+    assert "Exception ignored" not in done.stderr
+
+
 def test_ctrl_c_stays_ignored_where_it_was() -> None:
     program = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)\n" + INTERRUPTED
     program = program.format(module="typer", then="raise", folder="").replace("\"--out\", '', ", "")

@@ -182,7 +182,6 @@ fn flight_with_quiet_sensors_beside_noisy_ones_has_its_own_bits() {
 }
 
 #[test]
-#[ignore = "fault: `sense` normalises a quiet lane's attitude beside noisy ones, and so moves its last bit"]
 fn flight_with_a_quiet_attitude_sensor_beside_noisy_ones_has_its_own_bits() {
     quiet_beside_noisy(|sigmas| sigmas.attitude = 0.0);
 }

@@ -73,7 +73,9 @@ pub fn sense<R: Real>(
     }
     if noisy.attitude {
         let [x, y, z] = (Vec3([a, b, c]) * (sigmas.attitude * R::splat(0.5))).0;
-        seen.chaser_attitude = (truth.chaser_attitude * Quat([R::one(), x, y, z])).normalized();
+        let turned = (truth.chaser_attitude * Quat([R::one(), x, y, z])).normalized();
+        // A lane without noise keeps its bits beside noisy ones: normalising would move the last.
+        seen.chaser_attitude = Quat::select(R::zero().lt(sigmas.attitude), turned, truth.chaser_attitude);
     }
     if noisy.rate {
         seen.chaser_rate += Vec3([p, q, r]) * sigmas.rate;

@@ -62,8 +62,8 @@ impl<R: Real> Stream<R> {
     pub fn normal_pairs<const PAIRS: usize>(&self, step: u32) -> [[R; 2]; PAIRS] {
         const { assert!(PAIRS <= 6) };
         let mut words = [[R::Bits::splat(0); 4]; 3];
-        for block in 0..PAIRS.div_ceil(2) {
-            words[block] = self.words(step, block as u32);
+        for (block, words) in words.iter_mut().enumerate().take(PAIRS.div_ceil(2)) {
+            *words = self.words(step, block as u32);
         }
         let (mut first, mut second) = ([R::Bits::splat(0); PAIRS], [R::Bits::splat(0); PAIRS]);
         for i in 0..PAIRS {
@@ -72,8 +72,8 @@ impl<R: Real> Stream<R> {
         }
         let [x, y] = box_muller::<Group<R, PAIRS>>(Group(first), Group(second));
         let mut pairs = [[R::zero(); 2]; PAIRS];
-        for i in 0..PAIRS {
-            pairs[i] = [x.0[i], y.0[i]];
+        for (i, pair) in pairs.iter_mut().enumerate() {
+            *pair = [x.0[i], y.0[i]];
         }
         pairs
     }

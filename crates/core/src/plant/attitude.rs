@@ -145,7 +145,7 @@ pub fn spin_step<R: Real, B: RigidBody<R>>(body: &B, spin: &Spin<R>, torque: Vec
     Spin { attitude: renormalized(spin.attitude * small_rotation(turn)), rate: new_rate }
 }
 
-/// The rotation by a vector. The series end at (|φ|/2)¹⁰: rounding for turns up to 0.5 rad.
+/// The rotation by a vector. The series end at (|φ|/2)¹⁰: rounding for turns up to 0.3 rad.
 #[inline(always)]
 fn small_rotation<R: Real>(turn: Vec3<R>) -> Quat<R> {
     let half = turn * R::splat(0.5);

@@ -155,7 +155,7 @@ impl<R: Real> Law<R> {
                 let mut acceleration = sliding.acceleration(&errors);
                 if sliding.compensation.natural {
                     let natural = natural_acceleration(told.mean_motion, told.motion.position, told.motion.velocity);
-                    acceleration = acceleration - natural;
+                    acceleration -= natural;
                 }
                 acceleration * mass
             }
