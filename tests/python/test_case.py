@@ -77,6 +77,12 @@ def test_open_loop_counts_segments_in_ticks_and_never_merges(paper: Scenario) ->
     assert recipe["plan"]["merge"] is False
 
 
+def test_open_loop_that_outlasts_the_flight_acts_to_its_end(paper: Scenario) -> None:
+    segment = "laws.none.segments=[{start = 1, end = 1e9, force = [1, 0, 0]}]"
+    (flown,) = case(with_settings(paper, [segment]), "none")["law"]["segments"]
+    assert (flown["first_tick"], flown["end_tick"]) == (10, 6001)
+
+
 def test_a_law_without_gains_or_unknown_is_refused(paper: Scenario) -> None:
     paper.laws.pd = None
     with pytest.raises(ScenarioError, match=r"laws\.pd  missing; this scenario has gains for lqr, sosmc, tsmc, prrl"):

@@ -231,7 +231,7 @@ fn interruptible<T: Send>(py: Python<'_>, stop: &AtomicBool, work: impl FnOnce()
                 (news, heard)
             });
             match heard {
-                Ok(result) => return Ok(result),
+                Ok(result) => return py.check_signals().map(|()| result),
                 Err(RecvTimeoutError::Timeout) => {
                     if let Err(interrupt) = py.check_signals() {
                         stop.store(true, Ordering::Relaxed);

@@ -110,11 +110,12 @@ def _belief(scenario: Scenario) -> Tree:
 
 def _open_loop(scenario: Scenario) -> Tree:
     period = scenario.time.control_period
+    after = round(scenario.time.duration / period) + 1  # what lies after the flight's last tick does not act
     open_loop: OpenLoop | None = scenario.laws.none
     segments = [
         {
-            "first_tick": round(segment.start / period),
-            "end_tick": round(segment.end / period),
+            "first_tick": min(round(segment.start / period), after),
+            "end_tick": min(round(segment.end / period), after),
             "body_frame": segment.frame == "body",
             "force": list(segment.force),
             "torque": list(segment.torque),
