@@ -200,8 +200,8 @@ def _fast_turn(history: Mapping[str, NDArray[np.float64]], plan: Mapping[str, An
     import numpy as np
 
     step = plan["control_period"] / plan["steps_per_period"]
-    rates = np.concatenate((history["chaser_rate"], history["debris_rate"]))
-    fastest = float(np.hypot.reduce(rates, axis=1).max(initial=0.0))
+    squares = (np.einsum("ij,ij->i", history[name], history[name]) for name in ("chaser_rate", "debris_rate"))
+    fastest = math.sqrt(max(float(square.max(initial=0.0)) for square in squares))
     if fastest * step <= MOST_TURN:
         return ""
     enough = MOST_TURN / fastest
