@@ -19,6 +19,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -65,11 +66,11 @@ def measure() -> dict[str, float]:
     actions["python_alone_s"] = shell(str(HERE / "python"), "-c", "pass")
     iterations = 4_000_000
     for backend in backends:
-        actions[f"peak_{backend}"] = lambda backend=backend: core().fma_peak(backend, iterations)  # type: ignore[misc]
+        actions[f"peak_{backend}"] = partial(core().fma_peak, backend, iterations)
 
     for action in actions.values():
         action()
-    taken = {name: [] for name in actions}  # type: dict[str, list[float]]
+    taken: dict[str, list[float]] = {name: [] for name in actions}
     for _ in range(ROUNDS):
         for name, action in actions.items():
             taken[name].append(seconds(action))
