@@ -1,0 +1,60 @@
+"""What a campaign flies: enough to fly any of its runs again, anywhere, to the bit."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import detumble
+
+if TYPE_CHECKING:
+    from detumble.scenario.model import Scenario
+
+SHARD = 16_384
+"""Runs in a shard: about a second of work, and a few megabytes."""
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """A campaign, but for its length: run i is the same run however many there are.
+
+    Attributes:
+        scenario: the text of the scenario file, dispersions included.
+        law: name of the law.
+        seed: of dispersions and sensor noise.
+        version: of detumble.
+        shard: runs in a shard.
+    """
+
+    scenario: str
+    law: str
+    seed: int
+    version: str = detumble.__version__
+    shard: int = SHARD
+
+    @cached_property
+    def parsed(self) -> Scenario:
+        """The scenario."""
+        from detumble.scenario.files import from_toml
+
+        return from_toml(self.scenario, "scenario.toml")
+
+    @cached_property
+    def identity(self) -> str:
+        """Hash of everything above: campaigns of one identity have the same runs."""
+        return hashlib.sha256(json.dumps(asdict(self), sort_keys=True).encode()).hexdigest()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give the recipe as JSON takes it."""
+        return asdict(self)
+
+    def runs_of(self, number: int, runs: int) -> range:
+        """Give the indices of the runs in a shard, in a campaign of `runs` runs."""
+        return range(number * self.shard, min((number + 1) * self.shard, runs))
+
+    def shards(self, runs: int) -> int:
+        """Count the shards that hold `runs` runs."""
+        return -(-runs // self.shard)
