@@ -26,7 +26,7 @@ import numpy as np
 
 import detumble
 from detumble.compiled import core
-from detumble.workload import FLOP_PER_STEP, random_starts, workload
+from detumble.workload import FLOP_PER_STEP, random_starts, start_columns, workload
 
 ROUNDS = 7
 HERE = Path(sys.executable).parent
@@ -55,7 +55,8 @@ def measure() -> dict[str, float]:
     scenario.time.control_period = 0.05
 
     def fly(backend: str, threads: int, count: int) -> Callable[[], object]:
-        return lambda: core().fly_starts(case, starts[:count], 1, 0, threads, backend, True)
+        columns = start_columns(starts[:count])
+        return lambda: core().fly_many(case, columns, count, 1, 0, threads, backend, True)
 
     cores = os.cpu_count() or 1
     actions: dict[str, Callable[[], object]] = {f"w_{b}": fly(b, 1, flights[b]) for b in backends}

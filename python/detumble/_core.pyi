@@ -1,5 +1,6 @@
 """The compiled core: plain numbers in, plain numbers out."""
 
+from collections.abc import Callable
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -7,19 +8,30 @@ from numpy.typing import NDArray
 
 Array: TypeAlias = NDArray[np.float64]
 
-def fly(case: dict[str, Any], seed: int, index: int, backend: str | None) -> dict[str, Any]:
-    """Fly one case; gives `backend`, `history`, `summary` and `merge`."""
+def fly(
+    case: dict[str, Any], seed: int, index: int, backend: str | None, differing: list[str] | None = None
+) -> dict[str, Any]:
+    """Fly one case; gives `backend`, `history`, `summary` and `merge`.
 
-def fly_starts(
+    `differing` are the paths of the numbers in which flights of its campaign differ.
+    """
+
+def fly_many(
     case: dict[str, Any],
-    starts: Array,
-    seed: int,
-    first_index: int,
-    threads: int,
-    backend: str | None,
-    light: bool,
-) -> dict[str, Array]:
-    """Fly one case from many starts (n, 20); gives `final_state` (n, 20) and the summary, one row a start."""
+    columns: dict[str, Array],
+    flights: int,
+    seed: int = 0,
+    first_index: int = 0,
+    threads: int = 1,
+    backend: str | None = None,
+    light: bool = False,
+    progress: Callable[[int], None] | None = None,
+) -> dict[str, Any]:
+    """Fly one case many times, with the numbers of `columns` in place of its own: by path, a row for each flight.
+
+    Gives `final_state` (n, 20), the summary column by column, `failure` (see `campaigns.rows`), and how many `ticks` the
+    flights took of the `lane_ticks` that the lanes went through.
+    """
 
 def backends() -> list[str]:
     """Name the back ends that this machine can run, the narrowest first."""

@@ -45,6 +45,20 @@ def random_starts(count: int, seed: int = 0) -> NDArray[np.float64]:
     return starts
 
 
+def start_columns(starts: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    """Give starts as the columns of numbers that the core takes.
+
+    Args:
+        starts: as `random_starts` gives them, shape (n, 20).
+    """
+    parts = {"position": 3, "velocity": 3, "chaser_attitude": 4, "chaser_rate": 3, "debris_attitude": 4, "debris_rate": 3}
+    edges = np.cumsum([0, *parts.values()])
+    return {
+        f"start.{name}": np.ascontiguousarray(starts[:, first:last])
+        for name, first, last in zip(parts, edges[:-1], edges[1:], strict=True)
+    }
+
+
 def _directions(dice: np.random.Generator, count: int, size: int) -> NDArray[np.float64]:
     normals = dice.standard_normal((count, size))
     unit: NDArray[np.float64] = normals / np.linalg.norm(normals, axis=1, keepdims=True)

@@ -1,12 +1,14 @@
 //! One closed loop with its full history, or many at once: lanes times threads.
 //!
-//! A flight's result depends on its recipe, the seed and its own index, never on the lane, the block or the thread that
+//! A flight's result depends on its recipe, the seed and its own index, never on the lane, the thread or the fleet that
 //! flies it.
 
+mod fleet;
 mod many;
 mod one;
 
-pub use many::{Fleet, Outcome, Workload, fly_many, fly_workload};
+pub use fleet::{Column, Fleet};
+pub use many::{Operation, Outcome, Results, Workload, fly_many, fly_workload};
 pub use one::{FlightRecord, fly_one};
 
 /// The stop flag of flights that nobody stops.

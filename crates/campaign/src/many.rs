@@ -1,35 +1,39 @@
-//! Many flights: blocks of as many as the back end has lanes, shared out over threads.
+//! Many flights: lanes times threads. A lane whose flight is over takes the next one at once.
 
+use crate::fleet::Fleet;
 use detumble_core::batch::Batch;
-use detumble_core::case::{Motion, Plan};
-use detumble_core::closed_loop::{Flight, Observer, fly};
-use detumble_core::hardware::sensors::Noisy;
+use detumble_core::case::Motion;
+use detumble_core::closed_loop::{Flight, Observer, Relief, fly};
 use detumble_core::metrics::{Impulse, Metrics, Summary};
-use detumble_core::number::{Backend, Job, Real, Stream, dispatch};
-use detumble_core::scene::{Laws, Numbers, Scene};
-use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, Ordering};
+use detumble_core::number::{Backend, Job, Mask, Real, Stream, dispatch};
+use detumble_core::scene::{Scene, Sortie};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// What is the same for every flight, and how many there are.
-pub struct Fleet<'a> {
-    /// Clocks and switches.
-    pub plan: &'a Plan,
-    /// Sensors that are noisy in any flight.
-    pub noisy: Noisy,
-    /// The law and its gains.
-    pub laws: &'a Laws,
+/// How a fleet is flown; nothing of it but the seed and the first index reaches the results.
+pub struct Operation<'a> {
     /// Of the random streams.
     pub seed: u64,
-    /// Index of the first flight; flight i draws from the stream of `first_index + i`.
+    /// Flight i draws from the stream of `first_index + i`.
     pub first_index: u64,
-    /// Number of flights.
-    pub flights: usize,
     /// Instructions to use.
     pub backend: Backend,
     /// Threads to use, at least one.
     pub threads: usize,
-    /// Once set, blocks not yet begun are left out.
+    /// Flights landed so far.
+    pub landed: &'a AtomicUsize,
+    /// Once set, no flight begins any more.
     pub stop: &'a AtomicBool,
+}
+
+/// Results of a fleet in the order of its flights, and how busy the lanes were.
+#[derive(Clone, Debug)]
+pub struct Results<T> {
+    /// One for each flight; those that `stop` kept from flying are missing.
+    pub flights: Vec<T>,
+    /// Ticks in the flights of the fleet.
+    pub ticks: u64,
+    /// Ticks that the lanes of all threads went through meanwhile.
+    pub lane_ticks: u64,
 }
 
 /// A flight's end and metrics.
@@ -52,87 +56,183 @@ pub struct Workload {
     pub impulse: f64,
 }
 
-/// Flies the fleet with all metrics; flight i has the numbers `numbers(i)`.
-pub fn fly_many(fleet: &Fleet<'_>, numbers: &(impl Fn(usize) -> Numbers<f64> + Sync)) -> Vec<Outcome> {
-    in_blocks(fleet, numbers, |block| dispatch(fleet.backend, WithMetrics(block)))
+/// Flies the fleet with all metrics.
+pub fn fly_many(fleet: &Fleet<'_>, operation: &Operation<'_>) -> Results<Outcome> {
+    on_threads(fleet, operation, |next| dispatch(operation.backend, WithMetrics(Crew { fleet, operation, next })))
 }
 
 /// Flies the fleet as the reference workload does: end state, first capture and impulse only.
-pub fn fly_workload(fleet: &Fleet<'_>, numbers: &(impl Fn(usize) -> Numbers<f64> + Sync)) -> Vec<Workload> {
-    in_blocks(fleet, numbers, |block| dispatch(fleet.backend, WithImpulse(block)))
+pub fn fly_workload(fleet: &Fleet<'_>, operation: &Operation<'_>) -> Results<Workload> {
+    on_threads(fleet, operation, |next| dispatch(operation.backend, WithImpulse(Crew { fleet, operation, next })))
 }
 
-/// Flights that fly in lockstep.
-struct Block<'a> {
-    fleet: &'a Fleet<'a>,
-    numbers: Vec<Numbers<f64>>,
-    first: usize,
+/// What one thread brings home: results with their flights' numbers.
+struct Haul<T> {
+    flights: Vec<(usize, T)>,
+    ticks: u64,
+    lane_ticks: u64,
 }
 
-fn in_blocks<T: Send>(
+fn on_threads<T: Send>(
     fleet: &Fleet<'_>,
-    numbers: &(impl Fn(usize) -> Numbers<f64> + Sync),
-    fly_block: impl Fn(Block<'_>) -> Vec<T> + Sync,
-) -> Vec<T> {
-    let lanes = fleet.backend.lanes();
-    let blocks = fleet.flights.div_ceil(lanes);
-    let one_block = |b: usize| {
-        if fleet.stop.load(Ordering::Relaxed) {
-            return Vec::new();
+    operation: &Operation<'_>,
+    crew: impl Fn(&AtomicUsize) -> Haul<T> + Sync,
+) -> Results<T> {
+    let next = AtomicUsize::new(0);
+    let crews = operation.threads.clamp(1, fleet.flights().div_ceil(operation.backend.lanes()).max(1));
+    let hauls: Vec<Haul<T>> = std::thread::scope(|scope| {
+        let others: Vec<_> = (1..crews).map(|_| scope.spawn(|| crew(&next))).collect();
+        let own = crew(&next);
+        std::iter::once(own).chain(others.into_iter().map(|other| other.join().expect("a crew panicked"))).collect()
+    });
+    let (mut ticks, mut lane_ticks) = (0, 0);
+    let mut flights = Vec::with_capacity(fleet.flights());
+    for haul in hauls {
+        ticks += haul.ticks;
+        lane_ticks += haul.lane_ticks;
+        flights.extend(haul.flights);
+    }
+    flights.sort_unstable_by_key(|(i, _)| *i);
+    Results { flights: flights.into_iter().map(|(_, result)| result).collect(), ticks, lane_ticks }
+}
+
+/// The lanes of one thread, and where they find work.
+struct Crew<'a> {
+    fleet: &'a Fleet<'a>,
+    operation: &'a Operation<'a>,
+    next: &'a AtomicUsize,
+}
+
+impl Crew<'_> {
+    /// The number of a flight that nobody has begun.
+    fn claim(&self) -> Option<usize> {
+        if self.operation.stop.load(Ordering::Relaxed) {
+            return None;
         }
-        let first = b * lanes;
-        let last = (first + lanes).min(fleet.flights);
-        fly_block(Block { fleet, numbers: (first..last).map(numbers).collect(), first })
-    };
-    if fleet.threads <= 1 {
-        return (0..blocks).flat_map(one_block).collect();
+        let i = self.next.fetch_add(1, Ordering::Relaxed);
+        (i < self.fleet.flights()).then_some(i)
     }
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(fleet.threads).build();
-    let pool = pool.expect("the system refuses to start worker threads");
-    pool.install(|| (0..blocks).into_par_iter().flat_map_iter(one_block).collect())
-}
 
-impl Block<'_> {
-    /// Flies all lanes and reads each one's result; a last, short block repeats its last flight in the idle lanes.
+    /// Flies until no work is left.
     #[inline(always)]
-    fn fly<R: Real, O: Observer<R>, T>(
-        &self,
-        mut observer: O,
-        read: impl Fn(&Scene<'_, R>, &Flight<R>, &O, usize) -> T,
-    ) -> Vec<T> {
-        let fleet = self.fleet;
-        let lane = |i: usize| i.min(self.numbers.len() - 1);
-        let pick_laws = |_| fleet.laws;
-        let scene = Scene::<R>::new(fleet.plan, fleet.noisy, &|i| &self.numbers[lane(i)], &pick_laws);
-        let dice = Stream::new(fleet.seed, |i| fleet.first_index + (self.first + lane(i)) as u64);
-        let mut flight = scene.start();
-        fly(&scene, &mut flight, &dice, &mut observer);
-        (0..self.numbers.len()).map(|i| read(&scene, &flight, &observer, i)).collect()
+    fn fly<R: Real, O, T, F>(&self, read: F) -> Haul<T>
+    where
+        O: Observer<R> + Batch<R>,
+        O::One: Default,
+        F: Fn(&Scene<R>, &Flight<R>, R, &O, usize) -> T,
+    {
+        let Some(first) = self.claim() else {
+            return Haul { flights: Vec::new(), ticks: 0, lane_ticks: 0 };
+        };
+        let idle = self.fleet.sortie(first);
+        let mut scene = Scene::<R>::new(&self.fleet.recipe().plan, self.fleet.common(), &idle);
+        let mut flight = Batch::<R>::same(&idle.start());
+        let mut dice = Stream::new(self.operation.seed, |_| self.operation.first_index + first as u64);
+        let mut observer = O::same(&O::One::default());
+        let mut aboard = vec![None; R::LANES];
+        aboard[0] = Some(first);
+        let haul = Haul { flights: Vec::new(), ticks: 0, lane_ticks: 0 };
+        let mut roster = Roster { crew: self, read, idle, aboard, haul };
+        for lane in 1..R::LANES {
+            roster.aboard[lane] = self.claim();
+            roster.board(lane, &mut scene, &mut flight, &mut dice);
+        }
+        fly(&mut scene, &mut flight, &mut dice, &mut observer, &mut roster);
+        roster.haul
     }
 }
 
-struct WithMetrics<'a>(Block<'a>);
+/// Who flies in which lane.
+struct Roster<'a, T, F> {
+    crew: &'a Crew<'a>,
+    read: F,
+    /// What a lane without a flight flies, in vain.
+    idle: Sortie,
+    /// Flight of each lane.
+    aboard: Vec<Option<usize>>,
+    haul: Haul<T>,
+}
+
+impl<T, F> Roster<'_, T, F> {
+    /// Puts a lane's flight at its start.
+    fn board<R: Real>(&self, lane: usize, scene: &mut Scene<R>, flight: &mut Flight<R>, dice: &mut Stream<R>) {
+        let claimed = self.aboard[lane].map(|i| self.crew.fleet.sortie(i));
+        let sortie = claimed.as_ref().unwrap_or(&self.idle);
+        scene.put(lane, sortie);
+        flight.put(lane, &sortie.start());
+        let number = self.aboard[lane].unwrap_or(0) as u64;
+        dice.set_lane(lane, self.crew.operation.first_index + number);
+    }
+}
+
+impl<R, O, T, F> Relief<R, O> for Roster<'_, T, F>
+where
+    R: Real,
+    O: Observer<R> + Batch<R>,
+    O::One: Default,
+    F: Fn(&Scene<R>, &Flight<R>, R, &O, usize) -> T,
+{
+    #[cold]
+    #[inline(never)]
+    fn land(&mut self, over: R::Mask, scene: &Scene<R>, flight: &Flight<R>, number: R, observer: &O) -> bool {
+        let ticks = |lane: usize| number.lane(lane) as u64 + 1;
+        for lane in (0..R::LANES).filter(|&lane| over.lane(lane)) {
+            self.haul.lane_ticks += ticks(lane);
+            if let Some(i) = self.aboard[lane] {
+                self.haul.ticks += ticks(lane);
+                self.haul.flights.push((i, (self.read)(scene, flight, number, observer, lane)));
+                self.crew.operation.landed.fetch_add(1, Ordering::Relaxed);
+                self.aboard[lane] = self.crew.claim();
+            }
+        }
+        let work_left = self.aboard.iter().any(Option::is_some);
+        if !work_left {
+            self.haul.lane_ticks += (0..R::LANES).filter(|&lane| !over.lane(lane)).map(ticks).sum::<u64>();
+        }
+        work_left
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn take_off(
+        &mut self,
+        over: R::Mask,
+        scene: &mut Scene<R>,
+        flight: &mut Flight<R>,
+        dice: &mut Stream<R>,
+        number: &mut R,
+        observer: &mut O,
+    ) {
+        for lane in (0..R::LANES).filter(|&lane| over.lane(lane)) {
+            self.board(lane, scene, flight, dice);
+            number.set_lane(lane, 0.0);
+            observer.put(lane, &O::One::default());
+        }
+    }
+}
+
+struct WithMetrics<'a>(Crew<'a>);
 
 impl Job for WithMetrics<'_> {
-    type Output = Vec<Outcome>;
+    type Output = Haul<Outcome>;
 
     #[inline(always)]
-    fn run<R: Real>(self) -> Vec<Outcome> {
-        self.0.fly(Metrics::<R>::default(), |scene, flight, metrics, i| Outcome {
+    fn run<R: Real>(self) -> Haul<Outcome> {
+        self.0.fly::<R, Metrics<R>, _, _>(|scene, flight, number, metrics, i| Outcome {
             end: Batch::<R>::scatter(&flight.truth, i),
-            summary: metrics.summary(scene, flight, i),
+            summary: metrics.summary(scene, flight, number, i),
         })
     }
 }
 
-struct WithImpulse<'a>(Block<'a>);
+struct WithImpulse<'a>(Crew<'a>);
 
 impl Job for WithImpulse<'_> {
-    type Output = Vec<Workload>;
+    type Output = Haul<Workload>;
 
     #[inline(always)]
-    fn run<R: Real>(self) -> Vec<Workload> {
-        self.0.fly(Impulse { total: R::zero() }, |_, flight, impulse, i| {
+    fn run<R: Real>(self) -> Haul<Workload> {
+        self.0.fly::<R, Impulse<R>, _, _>(|_, flight, _, impulse, i| {
             let time = flight.capture.time.lane(i);
             Workload {
                 end: Batch::<R>::scatter(&flight.truth, i),

@@ -1,11 +1,12 @@
 //! What a flight starts from: the numbers of its case, any of which may differ from lane to lane, and the plan, which
 //! is the same for the whole batch.
 
-use crate::batch_struct;
+use crate::batch::Fields;
+use crate::case_struct;
 use crate::gnc::laws::LawRecipe;
 use crate::number::{Mat3, Quat, Vec3};
 
-batch_struct! {
+case_struct! {
     /// Every number of a flight, before a law's gains.
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
     pub struct Case<R> {
@@ -32,7 +33,7 @@ batch_struct! {
     }
 }
 
-batch_struct! {
+case_struct! {
     /// The target's circular orbit.
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
     pub struct Orbit<R> {
@@ -43,7 +44,7 @@ batch_struct! {
     }
 }
 
-batch_struct! {
+case_struct! {
     /// A rigid body.
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
     pub struct Body<R> {
@@ -56,7 +57,7 @@ batch_struct! {
     }
 }
 
-batch_struct! {
+case_struct! {
     /// State of both bodies. After capture `position`, `velocity` and `chaser_*` are the stack's, and the debris rides along.
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
     pub struct Motion<R> {
@@ -75,7 +76,7 @@ batch_struct! {
     }
 }
 
-batch_struct! {
+case_struct! {
     /// Fixed goals in H \[m\]; without meaning where grasp points move the goal.
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
     pub struct GoalPositions<R> {
@@ -86,7 +87,7 @@ batch_struct! {
     }
 }
 
-batch_struct! {
+case_struct! {
     /// Capture holds while every quantity is strictly below its threshold.
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
     pub struct CaptureThresholds<R> {
@@ -101,7 +102,7 @@ batch_struct! {
     }
 }
 
-batch_struct! {
+case_struct! {
     /// The stack is settled once it stays below both until the end of the flight.
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
     pub struct SettledThresholds<R> {
@@ -112,18 +113,30 @@ batch_struct! {
     }
 }
 
-batch_struct! {
-    /// Limits per axis; may be infinite.
+case_struct! {
+    /// Limits per axis, may be infinite; and what is really given of what is asked for.
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
     pub struct Limits<R> {
         /// \[N\]
         pub force: Vec3<R>,
         /// \[N m\]
         pub torque: Vec3<R>,
+        /// Force given per force commanded.
+        pub force_gain: Vec3<R>,
+        /// Torque given per torque commanded.
+        pub torque_gain: Vec3<R>,
     }
 }
 
-batch_struct! {
+impl Limits<f64> {
+    /// Limits of actuators that give what is asked for.
+    pub fn exact(force: Vec3<f64>, torque: Vec3<f64>) -> Self {
+        let one = Vec3([1.0; 3]);
+        Self { force, torque, force_gain: one, torque_gain: one }
+    }
+}
+
+case_struct! {
     /// Standard deviations per axis of white Gaussian noise, drawn anew at every control tick.
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
     pub struct NoiseSigmas<R> {
@@ -138,7 +151,7 @@ batch_struct! {
     }
 }
 
-batch_struct! {
+case_struct! {
     /// What the laws believe of the mass \[kg\] and inertia \[kg m²\] they fly.
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
     pub struct Belief<R> {
@@ -185,6 +198,22 @@ pub struct Plan {
     pub two_epsilon: bool,
     /// Sliding laws cancel the exact rate of their surface.
     pub exact_surface_rate: bool,
+    /// When a flight is over.
+    pub end: End,
+    /// Ticks for which a stack must have stayed settled before [`End::Settled`] ends the flight.
+    pub hold_ticks: u32,
+}
+
+/// When a flight is over; never later than after its last period.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum End {
+    /// After its last period.
+    Duration,
+    /// At capture, or when it has left the numbers.
+    Captured,
+    /// When the stack has been settled for a while (at capture, where nothing merges), or when it has left the numbers.
+    Settled,
 }
 
 impl Plan {
@@ -203,4 +232,14 @@ pub struct FlightRecipe {
     pub law: LawRecipe,
     /// Clocks and switches.
     pub plan: Plan,
+}
+
+impl FlightRecipe {
+    /// The numbers at a path: of the case, `chaser.mass`, or of the law, `law.before.rotation.gain`.
+    pub fn field(&mut self, path: &str) -> Option<&mut [f64]> {
+        match path.strip_prefix("law.") {
+            Some(gain) => self.law.field(gain),
+            None => self.case.field(path),
+        }
+    }
 }

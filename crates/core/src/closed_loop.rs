@@ -4,12 +4,13 @@
 //! command, saturate, and hold the wrench while the plant moves on to t_{k+1}.
 
 use crate::batch::Batch;
+use crate::batch_struct;
 use crate::case::{Motion, Plan};
-use crate::gnc::capture::CaptureState;
+use crate::gnc::capture::{CaptureState, Judged};
 use crate::gnc::error::TrackingError;
 use crate::gnc::guidance::{self, Target};
 use crate::gnc::laws::{Law, Told};
-use crate::hardware::actuators::saturate;
+use crate::hardware::actuators::actuate;
 use crate::hardware::sensors::sense;
 use crate::number::{Mask, Quat, Real, Stream, Vec3};
 use crate::plant::lvlh::Lvlh;
@@ -17,23 +18,24 @@ use crate::plant::propagate::{Period, Vehicle, Wrench, WrenchFrame, propagate};
 use crate::plant::stack::{merge_approximate, merge_conserving};
 use crate::scene::Scene;
 
-/// One control period of every lane.
+/// What happens at one control tick of every lane, up to the wrench that is then held; and whose flight is over here.
 #[inline(always)]
-pub fn control_period<R: Real, O: Observer<R>>(
-    scene: &Scene<'_, R>,
+fn control_tick<R: Real, O: Observer<R>>(
+    scene: &Scene<R>,
     flight: &mut Flight<R>,
     dice: &Stream<R>,
-    number: u32,
+    number: R,
     observer: &mut O,
-) {
-    let plan = scene.plan;
-    let time = f64::from(number) * plan.control_period;
+) -> (Held<R>, R::Mask) {
+    let plan = &scene.plan;
+    let time = number * R::splat(plan.control_period);
 
     let mut target = guide(scene, flight, &flight.truth, time);
     let mut error = TrackingError::between(&flight.truth, &target);
-    let captured_now = judge(scene, flight, &error, time);
+    let judged = Judged::of(&error, &flight.truth, plan.distance_from_debris);
+    let captured_now = flight.capture.judge(scene.numbers.capture.holds(&judged), time, plan.dwell_ticks);
     if captured_now.any() {
-        observer.captured(scene, captured_now, &flight.truth, &error);
+        observer.captured(scene, captured_now, &flight.truth, error);
         if plan.merge {
             merge(scene, flight, captured_now, time);
             observer.merged(captured_now, flight);
@@ -42,49 +44,62 @@ pub fn control_period<R: Real, O: Observer<R>>(
         }
     }
 
-    let seen = sense(&scene.numbers.case.sensors, scene.noisy, &flight.truth, dice, number);
+    let seen = sense(&scene.numbers.case.sensors, scene.common.noisy, &flight.truth, dice, number);
     let goal = guide(scene, flight, &seen, time);
     let seen_error = TrackingError::between(&seen, &goal);
     let (demand, frame) = command(scene, flight, &seen, &seen_error, &goal, number);
-    let limits = &scene.numbers.case.actuators;
-    let applied = Wrench {
-        force: saturate(demand.force, limits.force, plan.scaled_saturation),
-        torque: saturate(demand.torque, limits.torque, plan.scaled_saturation),
-    };
+    let applied = actuate(&scene.numbers.case.actuators, &demand, plan.scaled_saturation);
 
-    let flown = number < plan.periods;
-    observer.observe(scene, flight, &Tick { number, time, flown, target, error, demand, applied });
-    if flown {
-        let (step, steps) = (plan.step(), plan.steps_per_period);
-        let period = Period { time, step, steps, principal_axes: scene.principal_axes };
-        propagate(&scene.numbers.around, &flight.vehicle, &mut flight.truth, &applied, frame, &period);
-        ride_along(plan, flight);
-    }
+    let flown = number.lt(R::splat(f64::from(plan.periods)));
+    let tick = Tick { number, time, flown, target, judged, error, demand, applied };
+    observer.observe(scene, flight, &tick);
+    (Held { wrench: applied, frame, since: time }, !flown | observer.over(scene, flight, &tick))
 }
 
-/// A whole flight, from tick 0 to the last, which is judged and commanded but not flown; ends early when the observer
-/// has seen enough.
+/// A wrench held from a tick to the next.
+struct Held<R> {
+    wrench: Wrench<R>,
+    frame: WrenchFrame,
+    since: R,
+}
+
+/// Moves the plant on to the next tick.
 #[inline(always)]
-pub fn fly<R: Real, O: Observer<R>>(scene: &Scene<'_, R>, flight: &mut Flight<R>, dice: &Stream<R>, observer: &mut O) {
-    for number in 0..=scene.plan.periods {
-        control_period(scene, flight, dice, number, observer);
-        if observer.has_seen_enough() {
-            break;
+fn fly_on<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, held: &Held<R>) {
+    let plan = &scene.plan;
+    let period =
+        Period { time: held.since, step: scene.step, steps: plan.steps_per_period, shapes: scene.common.shapes };
+    propagate(&scene.numbers.around, &flight.vehicle, &mut flight.truth, &held.wrench, held.frame, &period);
+    ride_along(plan, flight);
+}
+
+/// Flies all lanes, each from its tick 0 to the tick at which its flight is over: that one is judged and commanded, but not
+/// flown. What then becomes of a lane is the relief's affair.
+#[inline(always)]
+pub fn fly<R: Real, O: Observer<R>>(
+    scene: &mut Scene<R>,
+    flight: &mut Flight<R>,
+    dice: &mut Stream<R>,
+    observer: &mut O,
+    relief: &mut impl Relief<R, O>,
+) {
+    let mut number = R::zero();
+    loop {
+        let (held, over) = control_tick(scene, flight, dice, number, observer);
+        if over.any() && !relief.land(over, scene, flight, number, observer) {
+            return;
+        }
+        fly_on(scene, flight, &held);
+        number += R::one();
+        if over.any() {
+            relief.take_off(over, scene, flight, dice, &mut number, observer);
         }
     }
 }
 
-/// Judges capture by the true error; returns the lanes captured at this tick.
-#[inline(always)]
-fn judge<R: Real>(scene: &Scene<'_, R>, flight: &mut Flight<R>, error: &TrackingError<R>, time: f64) -> R::Mask {
-    let plan = scene.plan;
-    let holds = scene.numbers.capture.holds(error, &flight.truth, plan.distance_from_debris);
-    flight.capture.judge(holds, time, plan.dwell_ticks)
-}
-
 /// Makes one body of two in the lanes just captured, and hands the stack to the law.
 #[inline(never)]
-fn merge<R: Real>(scene: &Scene<'_, R>, flight: &mut Flight<R>, lanes: R::Mask, time: f64) {
+fn merge<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, lanes: R::Mask, time: R) {
     let case = &scene.numbers.case;
     let reached = scene.approach(&flight.truth, time).position;
     let stack = if scene.plan.momentum_conserving {
@@ -101,10 +116,10 @@ fn merge<R: Real>(scene: &Scene<'_, R>, flight: &mut Flight<R>, lanes: R::Mask, 
     flight.truth = Motion::choose(lanes, &stack.motion, &flight.truth);
     flight.vehicle = Vehicle::choose(lanes, &stack.vehicle, &flight.vehicle);
     if let (Some(law), Some(after)) = (&flight.law, &scene.law_after) {
-        let after = if scene.plan.true_stack { scene.law_for(&flight.vehicle) } else { *after };
+        let after = if scene.plan.true_stack { scene.laws_for(lanes, &flight.vehicle, after) } else { *after };
         flight.law = Some(Law::choose(lanes, &after, law));
     }
-    ride_along(scene.plan, flight);
+    ride_along(&scene.plan, flight);
 }
 
 /// After capture the debris is fixed to the chaser.
@@ -121,7 +136,7 @@ fn ride_along<R: Real>(plan: &Plan, flight: &mut Flight<R>) {
 
 /// The goal of each lane's phase, from what is known of the motion.
 #[inline(always)]
-fn guide<R: Real>(scene: &Scene<'_, R>, flight: &Flight<R>, motion: &Motion<R>, time: f64) -> Target<R> {
+pub(crate) fn guide<R: Real>(scene: &Scene<R>, flight: &Flight<R>, motion: &Motion<R>, time: R) -> Target<R> {
     let approach = scene.approach(motion, time);
     let merged = flight.capture.captured();
     if scene.plan.merge && merged.any() {
@@ -136,12 +151,12 @@ fn guide<R: Real>(scene: &Scene<'_, R>, flight: &Flight<R>, motion: &Motion<R>, 
 /// The law's wrench, or the open-loop segment's.
 #[inline(always)]
 fn command<R: Real>(
-    scene: &Scene<'_, R>,
+    scene: &Scene<R>,
     flight: &Flight<R>,
     seen: &Motion<R>,
     error: &TrackingError<R>,
     goal: &Target<R>,
-    number: u32,
+    number: R,
 ) -> (Wrench<R>, WrenchFrame) {
     match &flight.law {
         Some(law) => {
@@ -157,34 +172,37 @@ fn command<R: Real>(
     }
 }
 
-/// The state of a batch of flights.
-#[derive(Clone, Copy, Debug)]
-pub struct Flight<R: Real> {
-    /// The true motion; after capture the stack's.
-    pub truth: Motion<R>,
-    /// What flies: the chaser, after capture the stack.
-    pub vehicle: Vehicle<R>,
-    /// The law with the gains of each lane's phase; `None` in open loop.
-    pub law: Option<Law<R>>,
-    /// Capture so far.
-    pub capture: CaptureState<R>,
-    /// D -> C, fixed at capture.
-    pub mount: Quat<R>,
-    /// r_des of the stack \[m, H\].
-    pub stack_goal: Vec3<R>,
+batch_struct! {
+    /// The state of a batch of flights.
+    pub struct Flight<R> {
+        /// The true motion; after capture the stack's.
+        pub truth: Motion<R>,
+        /// What flies: the chaser, after capture the stack.
+        pub vehicle: Vehicle<R>,
+        /// The law with the gains of each lane's phase; `None` in open loop.
+        pub law: Option<Law<R>>,
+        /// Capture so far.
+        pub capture: CaptureState<R>,
+        /// D -> C, fixed at capture.
+        pub mount: Quat<R>,
+        /// r_des of the stack \[m, H\].
+        pub stack_goal: Vec3<R>,
+    }
 }
 
-/// One control tick, for those who watch. The motion is the flight's, after the merge.
+/// One control tick, for those who watch. The motion is the flight's, after the merge. Each lane has its own clock.
 #[derive(Clone, Copy, Debug)]
-pub struct Tick<R> {
+pub struct Tick<R: Real> {
     /// k
-    pub number: u32,
+    pub number: R,
     /// t_k \[s\].
-    pub time: f64,
-    /// Whether the wrench is flown; not at the last tick.
-    pub flown: bool,
+    pub time: R,
+    /// Whether the wrench is flown; not at a flight's last tick.
+    pub flown: R::Mask,
     /// The true goal.
     pub target: Target<R>,
+    /// What capture was judged by, before the merge.
+    pub judged: Judged<R>,
     /// The true error: against the debris before capture, against H after it.
     pub error: TrackingError<R>,
     /// Demanded by the law.
@@ -195,19 +213,62 @@ pub struct Tick<R> {
 
 /// Watches a flight and keeps what it wants of it.
 pub trait Observer<R: Real> {
-    /// Lanes are captured: the motion before any merge, and the true error against the debris.
-    fn captured(&mut self, scene: &Scene<'_, R>, lanes: R::Mask, before: &Motion<R>, error: &TrackingError<R>);
+    /// Lanes are captured: the motion before any merge, and the true error against the debris (by value: a reference that
+    /// leaves the loop would keep it in memory at every tick).
+    fn captured(&mut self, scene: &Scene<R>, lanes: R::Mask, before: &Motion<R>, error: TrackingError<R>);
 
     /// Lanes have just become stacks.
     fn merged(&mut self, _lanes: R::Mask, _flight: &Flight<R>) {}
 
     /// At each tick, after the merge and before the plant moves on.
-    fn observe(&mut self, scene: &Scene<'_, R>, flight: &Flight<R>, tick: &Tick<R>);
+    fn observe(&mut self, scene: &Scene<R>, flight: &Flight<R>, tick: &Tick<R>);
 
-    /// Whether the flight may end here.
-    fn has_seen_enough(&self) -> bool {
+    /// Lanes whose flight is over before its last period.
+    #[inline(always)]
+    fn over(&self, _scene: &Scene<R>, _flight: &Flight<R>, _tick: &Tick<R>) -> R::Mask {
+        R::Mask::splat(false)
+    }
+}
+
+/// Decides what becomes of lanes whose flight is over.
+pub trait Relief<R: Real, O> {
+    /// Flights are over, at these ticks; returns whether any lane still flies something.
+    fn land(&mut self, over: R::Mask, scene: &Scene<R>, flight: &Flight<R>, number: R, observer: &O) -> bool;
+
+    /// The lanes' next flights begin.
+    fn take_off(
+        &mut self,
+        over: R::Mask,
+        scene: &mut Scene<R>,
+        flight: &mut Flight<R>,
+        dice: &mut Stream<R>,
+        number: &mut R,
+        observer: &mut O,
+    );
+}
+
+/// Flies one flight, the same in all lanes, to its end; returns the number of its last tick.
+#[inline(always)]
+pub fn fly_alone<R: Real, O: Observer<R>>(
+    scene: &mut Scene<R>,
+    flight: &mut Flight<R>,
+    dice: &mut Stream<R>,
+    observer: &mut O,
+) -> R {
+    let mut last = Alone(R::zero());
+    fly(scene, flight, dice, observer, &mut last);
+    last.0
+}
+
+struct Alone<R: Real>(R);
+
+impl<R: Real, O> Relief<R, O> for Alone<R> {
+    fn land(&mut self, _: R::Mask, _: &Scene<R>, _: &Flight<R>, number: R, _: &O) -> bool {
+        self.0 = number;
         false
     }
+
+    fn take_off(&mut self, _: R::Mask, _: &mut Scene<R>, _: &mut Flight<R>, _: &mut Stream<R>, _: &mut R, _: &mut O) {}
 }
 
 #[cfg(test)]

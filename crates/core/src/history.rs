@@ -85,7 +85,7 @@ impl History {
 }
 
 impl<R: Real> Observer<R> for History {
-    fn captured(&mut self, _: &Scene<'_, R>, _: R::Mask, before: &Motion<R>, _: &TrackingError<R>) {
+    fn captured(&mut self, _: &Scene<R>, _: R::Mask, before: &Motion<R>, _: TrackingError<R>) {
         self.before = Some(crate::batch::Batch::scatter(before, 0));
     }
 
@@ -101,13 +101,12 @@ impl<R: Real> Observer<R> for History {
     }
 
     #[inline(always)]
-    fn observe(&mut self, scene: &Scene<'_, R>, flight: &Flight<R>, tick: &Tick<R>) {
+    fn observe(&mut self, scene: &Scene<R>, flight: &Flight<R>, tick: &Tick<R>) {
         let truth = &flight.truth;
         let (position, velocity) = (truth.position.lane(0).0, truth.velocity.lane(0).0);
         let (chaser_attitude, chaser_rate) = (truth.chaser_attitude.lane(0).0, truth.chaser_rate.lane(0).0);
         let (debris_attitude, debris_rate) = (truth.debris_attitude.lane(0).0, truth.debris_rate.lane(0).0);
-        let state = [&position[..], &velocity, &chaser_attitude, &chaser_rate, &debris_attitude, &debris_rate];
-        if state.iter().flat_map(|part| part.iter()).any(|x| !x.is_finite()) {
+        if !tick.judged.is_finite().lane(0) {
             self.left_the_numbers = true;
             return;
         }
@@ -117,7 +116,7 @@ impl<R: Real> Observer<R> for History {
         let angle = 2.0 * half_sine.atan2(error.attitude.scalar().lane(0));
         let captured = flight.capture.captured().lane(0);
         self.write(&[
-            &[tick.time],
+            &[tick.time.lane(0)],
             &position,
             &velocity,
             &chaser_attitude,
@@ -138,14 +137,15 @@ impl<R: Real> Observer<R> for History {
         ]);
     }
 
-    fn has_seen_enough(&self) -> bool {
-        self.left_the_numbers
+    #[inline(always)]
+    fn over(&self, _: &Scene<R>, _: &Flight<R>, _: &Tick<R>) -> R::Mask {
+        R::Mask::splat(self.left_the_numbers)
     }
 }
 
 /// Two observers at once.
 impl<R: Real, A: Observer<R>, B: Observer<R>> Observer<R> for (A, B) {
-    fn captured(&mut self, scene: &Scene<'_, R>, lanes: R::Mask, before: &Motion<R>, error: &TrackingError<R>) {
+    fn captured(&mut self, scene: &Scene<R>, lanes: R::Mask, before: &Motion<R>, error: TrackingError<R>) {
         self.0.captured(scene, lanes, before, error);
         self.1.captured(scene, lanes, before, error);
     }
@@ -156,13 +156,13 @@ impl<R: Real, A: Observer<R>, B: Observer<R>> Observer<R> for (A, B) {
     }
 
     #[inline(always)]
-    fn observe(&mut self, scene: &Scene<'_, R>, flight: &Flight<R>, tick: &Tick<R>) {
+    fn observe(&mut self, scene: &Scene<R>, flight: &Flight<R>, tick: &Tick<R>) {
         self.0.observe(scene, flight, tick);
         self.1.observe(scene, flight, tick);
     }
 
     #[inline(always)]
-    fn has_seen_enough(&self) -> bool {
-        self.0.has_seen_enough() || self.1.has_seen_enough()
+    fn over(&self, scene: &Scene<R>, flight: &Flight<R>, tick: &Tick<R>) -> R::Mask {
+        self.0.over(scene, flight, tick) | self.1.over(scene, flight, tick)
     }
 }

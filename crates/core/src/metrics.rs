@@ -12,63 +12,70 @@
 //! | settling time | from capture to the first tick from which angle and rate against H stay below their thresholds to the end |
 //! | momentum | \|I ω\| of the stack about its centre of mass, ω against N |
 
-use crate::case::Motion;
-use crate::closed_loop::{Flight, Observer, Tick};
+use crate::batch_struct;
+use crate::case::{End, Motion, Plan};
+use crate::closed_loop::{Flight, Observer, Tick, guide};
 use crate::gnc::error::TrackingError;
-use crate::number::{Real, Vec3};
+use crate::number::{Mask, Real, Vec3};
 use crate::plant::propagate::Wrench;
 use crate::scene::Scene;
 
 const NEVER: f64 = f64::INFINITY;
 
-/// Running sums of a batch of flights.
-#[derive(Clone, Copy, Debug)]
-pub struct Metrics<R: Real> {
-    impulse: Vec3<R>,
-    delta_v: Vec3<R>,
-    delta_v_to_capture: Vec3<R>,
-    torque_impulse: Vec3<R>,
-    peak_demand: Peak<R>,
-    peak_applied: Peak<R>,
-    saturated_force: R,
-    saturated_torque: R,
-    force_variation: R,
-    torque_variation: R,
-    previous: Wrench<R>,
-    flown: R,
-    last_unsettled: R,
-    diverged: R,
-    at_capture: AtCapture<R>,
-    end: End<R>,
+batch_struct! {
+    /// Running sums of a batch of flights.
+    pub struct Metrics<R> {
+        impulse: Vec3<R>,
+        delta_v: Vec3<R>,
+        delta_v_to_capture: Vec3<R>,
+        torque_impulse: Vec3<R>,
+        peak_demand: Peak<R>,
+        peak_applied: Peak<R>,
+        saturated_force: R,
+        saturated_torque: R,
+        force_variation: R,
+        torque_variation: R,
+        previous: Wrench<R>,
+        flown: R,
+        last_unsettled: R,
+        diverged: R,
+        longest_held: R,
+        closest: Closest<R>,
+        at_capture: AtCapture<R>,
+    }
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Peak<R> {
-    force: R,
-    torque: R,
+batch_struct! {
+    struct Peak<R> {
+        force: R,
+        torque: R,
+    }
 }
 
-#[derive(Clone, Copy, Debug)]
-struct AtCapture<R> {
-    distance: R,
-    half_sine: R,
-    half_cosine: R,
-    rate: R,
-    speed: R,
-    momentum: R,
+batch_struct! {
+    /// Least square of each quantity that capture is judged by.
+    struct Closest<R> {
+        distance: R,
+        sine: R,
+        rate: R,
+        speed: R,
+    }
 }
 
-#[derive(Clone, Copy, Debug)]
-struct End<R> {
-    half_sine: R,
-    half_cosine: R,
-    rate: R,
-    momentum: R,
+batch_struct! {
+    struct AtCapture<R> {
+        distance: R,
+        half_sine: R,
+        half_cosine: R,
+        rate: R,
+        speed: R,
+        momentum: R,
+    }
 }
 
 impl<R: Real> Default for Metrics<R> {
     fn default() -> Self {
-        let (zero, nan) = (R::zero(), R::splat(f64::NAN));
+        let (zero, never) = (R::zero(), R::splat(NEVER));
         let peak = Peak { force: zero, torque: zero };
         Self {
             impulse: Vec3::zero(),
@@ -83,8 +90,10 @@ impl<R: Real> Default for Metrics<R> {
             torque_variation: zero,
             previous: Wrench::zero(),
             flown: zero,
-            last_unsettled: R::splat(-NEVER),
-            diverged: R::splat(NEVER),
+            last_unsettled: -never,
+            diverged: never,
+            longest_held: zero,
+            closest: Closest { distance: never, sine: never, rate: never, speed: never },
             at_capture: AtCapture {
                 distance: zero,
                 half_sine: zero,
@@ -93,13 +102,12 @@ impl<R: Real> Default for Metrics<R> {
                 speed: zero,
                 momentum: zero,
             },
-            end: End { half_sine: nan, half_cosine: nan, rate: nan, momentum: nan },
         }
     }
 }
 
 impl<R: Real> Observer<R> for Metrics<R> {
-    fn captured(&mut self, scene: &Scene<'_, R>, lanes: R::Mask, before: &Motion<R>, error: &TrackingError<R>) {
+    fn captured(&mut self, scene: &Scene<R>, lanes: R::Mask, before: &Motion<R>, error: TrackingError<R>) {
         let judged = if scene.plan.distance_from_debris { before.position } else { error.position };
         let keep = |new: R, old: R| R::select(lanes, new, old);
         let at = &mut self.at_capture;
@@ -117,35 +125,55 @@ impl<R: Real> Observer<R> for Metrics<R> {
     }
 
     #[inline(always)]
-    fn observe(&mut self, scene: &Scene<'_, R>, flight: &Flight<R>, tick: &Tick<R>) {
-        let time = R::splat(tick.time);
-        let finite = is_finite(flight);
-        self.diverged = self.diverged.min(R::select(finite, R::splat(NEVER), time));
+    fn observe(&mut self, scene: &Scene<R>, flight: &Flight<R>, tick: &Tick<R>) {
+        let (judged, closest) = (&tick.judged, &mut self.closest);
+        let finite = judged.is_finite();
+        self.diverged = self.diverged.min(R::select(finite, R::splat(NEVER), tick.time));
 
-        let holds = scene.numbers.settled.holds(&tick.error);
-        self.last_unsettled = R::select(holds, self.last_unsettled, time);
-
-        if tick.flown {
-            self.count_effort(scene, flight, tick, finite);
-        } else {
-            self.end = End {
-                half_sine: tick.error.attitude.vector().norm(),
-                half_cosine: tick.error.attitude.scalar(),
-                rate: tick.error.rate.norm(),
-                momentum: momentum(flight),
-            };
+        if scene.plan.merge {
+            let holds = scene.numbers.settled.holds(&tick.error);
+            self.last_unsettled = R::select(holds, self.last_unsettled, tick.time);
         }
+
+        closest.distance = closest.distance.min(judged.distance_squared);
+        closest.sine = closest.sine.min(judged.sin_squared);
+        closest.rate = closest.rate.min(judged.rate_squared);
+        closest.speed = closest.speed.min(judged.speed_squared);
+        self.longest_held = self.longest_held.max(flight.capture.held);
+
+        self.count_effort(scene, flight, tick, finite & tick.flown);
+    }
+
+    #[inline(always)]
+    fn over(&self, scene: &Scene<R>, flight: &Flight<R>, tick: &Tick<R>) -> R::Mask {
+        let plan = &scene.plan;
+        let captured = flight.capture.captured();
+        let done = match plan.end {
+            End::Duration => return R::Mask::splat(false),
+            End::Settled if plan.merge => {
+                let hold = (f64::from(plan.hold_ticks) - 0.5) * plan.control_period;
+                captured & R::splat(hold).lt(tick.time - self.settled_from(flight, plan))
+            }
+            End::Settled | End::Captured => captured,
+        };
+        done | self.diverged.lt(R::splat(NEVER))
     }
 }
 
 impl<R: Real> Metrics<R> {
-    /// A lane whose state has left the numbers asks for nothing any more.
+    /// The first tick of the settled stretch in which a stack is now, or the next tick \[s\].
     #[inline(always)]
-    fn count_effort(&mut self, scene: &Scene<'_, R>, flight: &Flight<R>, tick: &Tick<R>, finite: R::Mask) {
-        let if_finite = |v: Vec3<R>| Vec3::select(finite, v, Vec3::zero());
+    fn settled_from(&self, flight: &Flight<R>, plan: &Plan) -> R {
+        (self.last_unsettled + R::splat(plan.control_period)).max(flight.capture.time)
+    }
+
+    /// A wrench that is not flown counts for nothing, nor does one of a lane whose state has left the numbers.
+    #[inline(always)]
+    fn count_effort(&mut self, scene: &Scene<R>, flight: &Flight<R>, tick: &Tick<R>, counts: R::Mask) {
+        let if_finite = |v: Vec3<R>| Vec3::select(counts, v, Vec3::zero());
         let demand = Wrench { force: if_finite(tick.demand.force), torque: if_finite(tick.demand.torque) };
         let applied = Wrench { force: if_finite(tick.applied.force), torque: if_finite(tick.applied.torque) };
-        let period = R::select(finite, R::splat(scene.plan.control_period), R::zero());
+        let period = R::select(counts, R::splat(scene.plan.control_period), R::zero());
 
         let (force, torque) = (applied.force.abs(), applied.torque.abs());
         let held = Vec3::splat(period);
@@ -161,38 +189,41 @@ impl<R: Real> Metrics<R> {
 
         let limits = &scene.numbers.case.actuators;
         let over = |demand: Vec3<R>, limit: Vec3<R>| {
-            let over = R::zero().lt((demand - limit).max_component());
+            let over = limit[0].lt(demand[0]) | limit[1].lt(demand[1]) | limit[2].lt(demand[2]);
             R::select(over, period, R::zero())
         };
         self.saturated_force += over(force_demand, limits.force);
         self.saturated_torque += over(torque_demand, limits.torque);
 
-        if tick.number > 0 {
-            self.force_variation += if_finite(demand.force - self.previous.force).abs().sum();
-            self.torque_variation += if_finite(demand.torque - self.previous.torque).abs().sum();
-        }
+        let varies = counts & R::zero().lt(tick.number);
+        let if_varies = |v: Vec3<R>| Vec3::select(varies, v, Vec3::zero());
+        self.force_variation += if_varies(demand.force - self.previous.force).abs().sum();
+        self.torque_variation += if_varies(demand.torque - self.previous.torque).abs().sum();
         self.previous = demand;
         self.flown += period;
     }
 
-    /// The summary of lane `i` once the flight is over.
-    pub fn summary(&self, scene: &Scene<'_, R>, flight: &Flight<R>, i: usize) -> Summary {
+    /// The summary of lane `i`, whose flight is over at tick `number`.
+    pub fn summary(&self, scene: &Scene<R>, flight: &Flight<R>, number: R, i: usize) -> Summary {
+        let plan = &scene.plan;
+        let time = number * R::splat(plan.control_period);
+        let error = TrackingError::between(&flight.truth, &guide(scene, flight, &flight.truth, time));
         let capture = flight.capture.time.lane(i);
         let captured = capture.is_finite();
-        let merged = captured && scene.plan.merge;
+        let merged = captured && plan.merge;
         let diverged = self.diverged.lane(i);
         let if_so = |so: bool, value: f64| if so { value } else { f64::NAN };
-        let angle = |half_sine: R, half_cosine: R| 2.0 * half_sine.lane(i).atan2(half_cosine.lane(i));
+        let angle = |half_sine: f64, half_cosine: f64| 2.0 * half_sine.atan2(half_cosine);
 
-        // The first tick of the settled stretch, if the flight ends inside one.
-        let settled_from = (self.last_unsettled.lane(i) + scene.plan.control_period).max(capture);
-        let duration = f64::from(scene.plan.periods) * scene.plan.control_period;
-        let half_period = 0.5 * scene.plan.control_period;
-        let settled = merged && diverged == NEVER && settled_from < duration + half_period;
+        let (end_time, settled_from) = (time.lane(i), self.settled_from(flight, plan).lane(i));
+        let settled = merged && diverged == NEVER && settled_from < end_time + 0.5 * plan.control_period;
+        let end_angle = angle(error.attitude.vector().lane(i).norm(), error.attitude.scalar().lane(i));
 
         let flown = self.flown.lane(i);
-        let (at, end) = (&self.at_capture, &self.end);
+        let at = &self.at_capture;
         Summary {
+            failure: self.failure(scene, i, diverged < NEVER, captured, settled || !merged),
+            end_time,
             capture_time: if_so(captured, capture),
             settling_time: if_so(settled, settled_from - capture),
             diverged_time: if_so(diverged < NEVER, diverged),
@@ -208,16 +239,51 @@ impl<R: Real> Metrics<R> {
             torque_saturated_share: self.saturated_torque.lane(i) / flown,
             force_chattering: self.force_variation.lane(i) / flown,
             torque_chattering: self.torque_variation.lane(i) / flown,
-            final_rate: if_so(merged, end.rate.lane(i)),
-            final_pointing: if_so(merged, angle(end.half_sine, end.half_cosine)),
+            final_rate: if_so(merged, error.rate.lane(i).norm()),
+            final_pointing: if_so(merged, end_angle),
             momentum_at_capture: if_so(merged, at.momentum.lane(i)),
-            final_momentum: if_so(merged, end.momentum.lane(i)),
+            final_momentum: if_so(merged, momentum(flight).lane(i)),
             capture_distance: if_so(captured, at.distance.lane(i)),
-            capture_angle: if_so(captured, angle(at.half_sine, at.half_cosine)),
+            capture_angle: if_so(captured, angle(at.half_sine.lane(i), at.half_cosine.lane(i))),
             capture_rate: if_so(captured, at.rate.lane(i)),
             capture_speed: if_so(captured, at.speed.lane(i)),
         }
     }
+}
+
+impl<R: Real> Metrics<R> {
+    fn failure(&self, scene: &Scene<R>, i: usize, diverged: bool, captured: bool, settled: bool) -> u8 {
+        let (closest, test) = (&self.closest, &scene.numbers.capture);
+        let missed = [
+            (closest.distance, test.distance_squared),
+            (closest.sine, test.sin_squared),
+            (closest.rate, test.rate_squared),
+            (closest.speed, test.speed_squared),
+        ];
+        match () {
+            () if diverged => failure::DIVERGED,
+            () if captured && settled => failure::NONE,
+            () if captured => failure::NOT_SETTLED,
+            () if self.longest_held.lane(i) > 0.0 => failure::DWELL_MISSED,
+            () => missed.iter().enumerate().fold(failure::NEVER_CAPTURED, |code, (bit, (closest, threshold))| {
+                code | u8::from(closest.lane(i) >= threshold.lane(i)) << bit
+            }),
+        }
+    }
+}
+
+/// Why a flight failed, as a number.
+pub mod failure {
+    /// It did not: captured, and settled where the bodies merge.
+    pub const NONE: u8 = 0;
+    /// The state left the numbers.
+    pub const DIVERGED: u8 = 1;
+    /// Captured, but the stack was not settled at the end.
+    pub const NOT_SETTLED: u8 = 2;
+    /// Never captured; plus 1, 2, 4, 8 if distance, angle, rate, speed was never below its threshold.
+    pub const NEVER_CAPTURED: u8 = 16;
+    /// All thresholds held at once, but not for the dwell time.
+    pub const DWELL_MISSED: u8 = 32;
 }
 
 /// |I ω| of what flies \[N m s\].
@@ -225,22 +291,13 @@ fn momentum<R: Real>(flight: &Flight<R>) -> R {
     (flight.vehicle.inertia.tensor * flight.truth.chaser_rate).norm()
 }
 
-/// Lanes whose whole state is still made of numbers.
-#[inline(always)]
-fn is_finite<R: Real>(flight: &Flight<R>) -> R::Mask {
-    let motion = &flight.truth;
-    let translation = motion.position.sum() + motion.velocity.sum();
-    let rates = motion.chaser_rate.sum() + motion.debris_rate.sum();
-    let (c, d) = (motion.chaser_attitude, motion.debris_attitude);
-    let attitudes = c.scalar() + c.vector().sum() + d.scalar() + d.vector().sum();
-    (translation + rates + attitudes).is_finite()
-}
-
 /// One flight in numbers; NaN for what did not happen. SI units, definitions above.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[allow(missing_docs)]
 pub struct Summary {
+    pub failure: u8,
+    pub end_time: f64,
     pub capture_time: f64,
     pub settling_time: f64,
     pub diverged_time: f64,
@@ -266,22 +323,27 @@ pub struct Summary {
     pub capture_speed: f64,
 }
 
-/// All that the reference workload keeps: time of first capture (in the flight itself) and applied impulse.
-#[derive(Clone, Copy, Debug)]
-pub struct Impulse<R> {
-    /// Σ |F_i| T over axes and ticks \[N s\].
-    pub total: R,
+batch_struct! {
+    /// All that the reference workload keeps: time of first capture (in the flight itself) and applied impulse.
+    pub struct Impulse<R> {
+        /// Σ |F_i| T over axes and ticks \[N s\].
+        pub total: R,
+    }
+}
+
+impl<R: Real> Default for Impulse<R> {
+    fn default() -> Self {
+        Self { total: R::zero() }
+    }
 }
 
 impl<R: Real> Observer<R> for Impulse<R> {
-    fn captured(&mut self, _: &Scene<'_, R>, _: R::Mask, _: &Motion<R>, _: &TrackingError<R>) {}
+    fn captured(&mut self, _: &Scene<R>, _: R::Mask, _: &Motion<R>, _: TrackingError<R>) {}
 
     #[inline(always)]
-    fn observe(&mut self, scene: &Scene<'_, R>, _flight: &Flight<R>, tick: &Tick<R>) {
-        if tick.flown {
-            let period = R::splat(scene.plan.control_period);
-            self.total = period.mul_add(tick.applied.force.abs().sum(), self.total);
-        }
+    fn observe(&mut self, scene: &Scene<R>, _flight: &Flight<R>, tick: &Tick<R>) {
+        let period = R::select(tick.flown, R::splat(scene.plan.control_period), R::zero());
+        self.total = period.mul_add(tick.applied.force.abs().sum(), self.total);
     }
 }
 

@@ -2,17 +2,18 @@
 
 use crate::batch::Batch;
 use crate::batch_struct;
-use crate::case::{Case, Motion, Plan};
+use crate::case::{Case, FlightRecipe, Motion, Plan};
 use crate::closed_loop::Flight;
 use crate::gnc::capture::{CaptureState, CaptureTest, SettledTest};
 use crate::gnc::guidance::{self, GraspPoints, Target};
 use crate::gnc::laws::{Law, LawRecipe, MassProperties, Phase, Setting};
 use crate::hardware::sensors::Noisy;
-use crate::number::{Quat, Real, Vec3};
+use crate::number::{Mask, Quat, Real, Vec3};
 use crate::plant::attitude::Inertia;
 use crate::plant::lvlh::Lvlh;
 use crate::plant::orbit::HeldStep;
-use crate::plant::propagate::{Surroundings, Vehicle, Wrench, WrenchFrame};
+use crate::plant::propagate::{Shapes, Surroundings, Vehicle, Wrench, WrenchFrame};
+use crate::plant::top::{FreeTop, is_symmetric_top};
 
 batch_struct! {
     /// Every number of a flight that no event changes.
@@ -33,13 +34,15 @@ batch_struct! {
 impl Numbers<f64> {
     /// Of one flight.
     pub fn new(case: &Case<f64>, plan: &Plan) -> Self {
+        let debris = Inertia::new(case.debris.inertia);
         Self {
             case: *case,
             around: Surroundings {
                 orbit: case.orbit,
                 translation: HeldStep::new(case.orbit.mean_motion, plan.step()),
                 half_step: HeldStep::new(case.orbit.mean_motion, 0.5 * plan.step()),
-                debris: Inertia::new(case.debris.inertia),
+                debris,
+                tumble: FreeTop::new(&debris, &case.start.debris(), plan.step()),
             },
             capture: CaptureTest::new(&case.capture),
             settled: SettledTest::new(&case.settled),
@@ -82,59 +85,109 @@ impl Laws {
     }
 }
 
-/// What the flights of one batch have in common, and their numbers lane by lane.
-pub struct Scene<'a, R: Real> {
-    /// Clocks and switches.
-    pub plan: &'a Plan,
-    /// Numbers, a lane each.
-    pub numbers: Numbers<R>,
-    /// Which sensors are noisy anywhere in the campaign.
-    pub noisy: Noisy,
-    /// No lane ever has a product of inertia.
-    pub(crate) principal_axes: bool,
-    pub(crate) law_after: Option<Law<R>>,
-    laws: &'a dyn Fn(usize) -> &'a Laws,
+/// One flight, ready to be flown.
+#[derive(Clone, Debug)]
+pub struct Sortie {
+    /// Its numbers.
+    pub numbers: Numbers<f64>,
+    /// Its law.
+    pub laws: Laws,
 }
 
-impl<'a, R: Real> Scene<'a, R> {
-    /// Lane `i` flies `numbers(i)` with `laws(i)`.
-    pub fn new(
-        plan: &'a Plan,
-        noisy: Noisy,
-        numbers: &dyn Fn(usize) -> &'a Numbers<f64>,
-        laws: &'a dyn Fn(usize) -> &'a Laws,
-    ) -> Self {
-        let diagonal = |i: usize| {
-            let Numbers { case: Case { chaser, debris, .. }, .. } = numbers(i);
-            chaser.inertia.is_diagonal() && debris.inertia.is_diagonal()
-        };
-        let stays_diagonal = !(plan.merge && plan.momentum_conserving);
+impl Sortie {
+    /// Of a recipe.
+    pub fn new(recipe: &FlightRecipe) -> Self {
         Self {
-            plan,
-            numbers: Batch::gather(numbers),
-            noisy,
-            principal_axes: stays_diagonal && (0..R::LANES).all(diagonal),
-            law_after: gather_law(laws, |laws| &laws.after),
-            laws,
+            numbers: Numbers::new(&recipe.case, &recipe.plan),
+            laws: Laws::new(&recipe.law, &recipe.case, &recipe.plan),
         }
     }
 
-    /// The state in which the flights begin.
-    pub fn start(&self) -> Flight<R> {
+    /// The state in which the flight begins.
+    pub fn start(&self) -> Flight<f64> {
         let case = &self.numbers.case;
         Flight {
             truth: case.start,
             vehicle: self.numbers.chaser,
-            law: gather_law(self.laws, |laws| &laws.before),
+            law: self.laws.before,
             capture: CaptureState::open(),
             mount: Quat::identity(),
             stack_goal: case.goal.position,
         }
     }
+}
+
+/// What is the same for all flights of a campaign, whichever of them share a batch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Common {
+    /// Sensors that are noisy in any flight.
+    pub noisy: Noisy,
+    /// What is known of all flights' inertias.
+    pub shapes: Shapes,
+}
+
+impl Common {
+    /// Of flights of this case that differ in the numbers at some paths.
+    pub fn new<'a>(case: &Case<f64>, plan: &Plan, differing: impl IntoIterator<Item = &'a str>) -> Self {
+        let merges_askew = plan.merge && plan.momentum_conserving;
+        let (chaser, debris) = (&case.chaser.inertia, &case.debris.inertia);
+        let mut noisy = Noisy::new(&case.sensors);
+        let mut shapes = Shapes {
+            principal_axes: chaser.is_diagonal() && debris.is_diagonal() && !merges_askew,
+            symmetric_debris: is_symmetric_top(debris),
+        };
+        for path in differing {
+            match path {
+                "sensors.position" => noisy.position = true,
+                "sensors.velocity" => noisy.velocity = true,
+                "sensors.attitude" => noisy.attitude = true,
+                "sensors.rate" => noisy.rate = true,
+                "chaser.inertia" => shapes.principal_axes = false,
+                "debris.inertia" => shapes = Shapes::default(),
+                _ => (),
+            }
+        }
+        Self { noisy, shapes }
+    }
+}
+
+/// What the flights of one batch have in common, and their numbers lane by lane.
+pub struct Scene<R: Real> {
+    /// Clocks and switches.
+    pub plan: Plan,
+    /// What holds for the whole campaign.
+    pub common: Common,
+    /// Numbers, a lane each.
+    pub numbers: Numbers<R>,
+    /// Integration step \[s\].
+    pub(crate) step: f64,
+    pub(crate) law_after: Option<Law<R>>,
+    laws: Vec<Laws>,
+}
+
+impl<R: Real> Scene<R> {
+    /// All lanes fly `sortie`.
+    pub fn new(plan: &Plan, common: Common, sortie: &Sortie) -> Self {
+        Self {
+            plan: *plan,
+            common,
+            numbers: Batch::same(&sortie.numbers),
+            step: plan.step(),
+            law_after: Batch::<R>::same(&sortie.laws.after),
+            laws: vec![sortie.laws.clone(); R::LANES],
+        }
+    }
+
+    /// Lane `i` flies another sortie.
+    pub fn put(&mut self, i: usize, sortie: &Sortie) {
+        self.numbers.put(i, &sortie.numbers);
+        Batch::<R>::put(&mut self.law_after, i, &sortie.laws.after);
+        self.laws[i].clone_from(&sortie.laws);
+    }
 
     /// The goal of two separate bodies.
     #[inline(always)]
-    pub(crate) fn approach(&self, motion: &Motion<R>, time: f64) -> Target<R> {
+    pub(crate) fn approach(&self, motion: &Motion<R>, time: R) -> Target<R> {
         let case = &self.numbers.case;
         if !self.plan.grasp {
             return guidance::fixed_point(case.goal.position, motion);
@@ -147,24 +200,26 @@ impl<'a, R: Real> Scene<'a, R> {
         guidance::grasp_points(&grasp, motion, &Lvlh::at(&case.orbit, time), self.plan.feedforward)
     }
 
-    /// The law of a stack whose true mass and inertia it is told.
-    pub(crate) fn law_for(&self, vehicle: &Vehicle<R>) -> Law<R> {
-        let build = |i: usize| {
-            let laws = (self.laws)(i);
+    /// The laws of stacks that have just been made, told their true mass and inertia; in other lanes `designed`.
+    pub(crate) fn laws_for(&self, made: R::Mask, vehicle: &Vehicle<R>, designed: &Law<R>) -> Law<R> {
+        let mut laws = *designed;
+        for i in (0..R::LANES).filter(|&i| made.lane(i)) {
+            let Laws { recipe, setting, .. } = &self.laws[i];
             let truth = MassProperties { mass: vehicle.mass.lane(i), inertia: vehicle.inertia.tensor.lane(i) };
-            laws.recipe.build(Phase::AfterCapture, &truth, &laws.setting)
-        };
-        let built: [Option<Law<f64>>; MAX_LANES] = std::array::from_fn(|i| if i < R::LANES { build(i) } else { None });
-        Batch::gather(&|i| built[i].as_ref().expect("only laws are rebuilt at capture"))
+            let law = recipe.build(Phase::AfterCapture, &truth, setting);
+            Batch::<R>::put(&mut laws, i, &law.expect("only laws are rebuilt at capture"));
+        }
+        laws
     }
 
-    /// The wrench of the segment in force, if any.
-    pub(crate) fn open_loop(&self, number: u32) -> (Wrench<R>, WrenchFrame) {
-        let segments = (self.laws)(0).recipe.segments();
+    /// The wrench of the segment in force, if any. All lanes are at the same tick: open loop, no flight ends early.
+    pub(crate) fn open_loop(&self, tick: R) -> (Wrench<R>, WrenchFrame) {
+        let segments = self.laws[0].recipe.segments();
+        let number = tick.lane(0) as u32;
         match segments.iter().find(|s| (s.first_tick..s.end_tick).contains(&number)) {
             Some(segment) => {
                 let wrench =
-                    Wrench { force: Vec3::from_lanes(|_| segment.force), torque: Vec3::from_lanes(|_| segment.torque) };
+                    Wrench { force: Vec3::from_f64(segment.force.0), torque: Vec3::from_f64(segment.torque.0) };
                 let frame = if segment.body_frame {
                     WrenchFrame::Body
                 } else if segment.torque == Vec3([0.0; 3]) {
@@ -177,15 +232,4 @@ impl<'a, R: Real> Scene<'a, R> {
             None => (Wrench::zero(), WrenchFrame::Command),
         }
     }
-}
-
-/// Lanes of the widest number type.
-const MAX_LANES: usize = 8;
-
-fn gather_law<'a, R: Real>(
-    laws: &dyn Fn(usize) -> &'a Laws,
-    phase: impl Fn(&'a Laws) -> &'a Option<Law<f64>>,
-) -> Option<Law<R>> {
-    phase(laws(0)).as_ref()?;
-    Some(Batch::gather(&|i| phase(laws(i)).as_ref().expect("either all lanes fly a law or none does")))
 }

@@ -1,14 +1,14 @@
 //! Python bindings: dictionaries in, numpy arrays and dictionaries out. Thin: no physics here.
 
-use detumble_campaign::{Fleet, FlightRecord, fly_many, fly_one, fly_workload};
-use detumble_core::case::{Case, FlightRecipe, Motion, Plan};
+mod many;
+
+use detumble_campaign::{FlightRecord, fly_one};
+use detumble_core::case::{Case, FlightRecipe, Plan};
 use detumble_core::gnc::laws::{LawRecipe, lqr};
-use detumble_core::hardware::sensors::Noisy;
 use detumble_core::history::Merge;
-use detumble_core::metrics::Summary;
-use detumble_core::number::{Backend, Mat3, Quat, Vec3, fma_peak};
-use detumble_core::scene::{Laws, Numbers};
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use detumble_core::number::{Backend, Mat3, Vec3, fma_peak};
+use detumble_core::scene::{Common, Laws};
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -21,7 +21,7 @@ use std::time::Duration;
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fly, module)?)?;
-    module.add_function(wrap_pyfunction!(fly_starts, module)?)?;
+    module.add_function(wrap_pyfunction!(many::fly_many, module)?)?;
     module.add_function(wrap_pyfunction!(backends, module)?)?;
     module.add_function(wrap_pyfunction!(fma_flops, module)?)?;
     module.add_function(wrap_pyfunction!(lqr_translation, module)?)?;
@@ -30,22 +30,24 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     Ok(())
 }
 
-/// One flight with its full history.
+/// One flight with its full history. `differing` are the paths of the numbers in which flights of its campaign differ.
 #[pyfunction]
-#[pyo3(signature = (case, seed=0, index=0, backend=None))]
+#[pyo3(signature = (case, seed=0, index=0, backend=None, differing=None))]
 fn fly<'py>(
     py: Python<'py>,
     case: &Bound<'py, PyDict>,
     seed: u64,
     index: u64,
     backend: Option<&str>,
+    differing: Option<Vec<String>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let recipe = recipe(case)?;
+    let common = Common::new(&recipe.case, &recipe.plan, differing.iter().flatten().map(String::as_str));
     sound_laws(&recipe.law, &recipe.case, &recipe.plan)?;
     let backend = named_backend(backend, Backend::best_for_one())?;
     let stop = AtomicBool::new(false);
     let FlightRecord { series, merge, summary } =
-        interruptible(py, &stop, || fly_one(&recipe, seed, index, backend, &stop))?;
+        interruptible(py, &stop, || fly_one(&recipe, common, seed, index, backend, &stop))?;
 
     let history = PyDict::new(py);
     for series in series {
@@ -82,68 +84,6 @@ fn merge_dict<'py>(py: Python<'py>, merge: &Merge, time: f64, plan: &Plan) -> Py
     dict.set_item("stack_mass", merge.stack_mass)?;
     dict.set_item("stack_inertia", merge.stack_inertia.0)?;
     Ok(dict)
-}
-
-/// Many flights of one case from different starts, a row of 20 numbers each: position, velocity, chaser attitude and
-/// rate, debris attitude and rate. `light` keeps end state, first capture and impulse only.
-#[pyfunction]
-#[pyo3(signature = (case, starts, seed=0, first_index=0, threads=1, backend=None, light=false))]
-#[allow(clippy::too_many_arguments)] // one Python call: keywords there
-fn fly_starts<'py>(
-    py: Python<'py>,
-    case: &Bound<'py, PyDict>,
-    starts: PyReadonlyArray2<'py, f64>,
-    seed: u64,
-    first_index: u64,
-    threads: usize,
-    backend: Option<&str>,
-    light: bool,
-) -> PyResult<Bound<'py, PyDict>> {
-    let FlightRecipe { case, law, plan } = recipe(case)?;
-    let backend = named_backend(backend, Backend::best())?;
-    if starts.shape()[1] != STATES {
-        return Err(PyValueError::new_err(format!("starts: {} columns; allowed: {STATES}", starts.shape()[1])));
-    }
-    let flights = starts.shape()[0];
-    let starts = starts.as_slice().map_err(|_| PyValueError::new_err("starts: must be C-contiguous"))?;
-    let laws = sound_laws(&law, &case, &plan)?;
-    let shared = Numbers::new(&case, &plan);
-    let numbers = |i: usize| {
-        let mut own = shared;
-        own.case.start = motion(&starts[STATES * i..STATES * (i + 1)]);
-        own
-    };
-    let noisy = Noisy::new(&case.sensors);
-    let stop = AtomicBool::new(false);
-    let fleet = Fleet { plan: &plan, noisy, laws: &laws, seed, first_index, flights, backend, threads, stop: &stop };
-
-    let result = PyDict::new(py);
-    let array = |values: Vec<f64>| PyArray1::from_vec(py, values);
-    if light {
-        let outcomes = interruptible(py, &stop, || fly_workload(&fleet, &numbers))?;
-        let ends = outcomes.iter().flat_map(|o| state(&o.end)).collect();
-        result.set_item("final_state", array(ends).reshape([flights, STATES])?)?;
-        result.set_item("capture_time", array(outcomes.iter().map(|o| o.capture_time).collect()))?;
-        result.set_item("impulse", array(outcomes.iter().map(|o| o.impulse).collect()))?;
-    } else {
-        let outcomes = interruptible(py, &stop, || fly_many(&fleet, &numbers))?;
-        let ends = outcomes.iter().flat_map(|o| state(&o.end)).collect();
-        result.set_item("final_state", array(ends).reshape([flights, STATES])?)?;
-        let column = |name: &str, pick: fn(&Summary) -> f64| {
-            result.set_item(name, array(outcomes.iter().map(|o| pick(&o.summary)).collect()))
-        };
-        column("capture_time", |s| s.capture_time)?;
-        column("settling_time", |s| s.settling_time)?;
-        column("diverged_time", |s| s.diverged_time)?;
-        column("delta_v", |s| s.delta_v.iter().sum())?;
-        column("delta_v_to_capture", |s| s.delta_v_to_capture.iter().sum())?;
-        column("torque_impulse", |s| s.torque_impulse.iter().sum())?;
-        column("final_rate", |s| s.final_rate)?;
-        column("final_pointing", |s| s.final_pointing)?;
-        column("force_saturated_share", |s| s.force_saturated_share)?;
-        column("torque_saturated_share", |s| s.torque_saturated_share)?;
-    }
-    Ok(result)
 }
 
 /// Back ends that this CPU has, narrowest first.
@@ -220,6 +160,16 @@ fn sound_laws(law: &LawRecipe, case: &Case<f64>, plan: &Plan) -> PyResult<Laws> 
 
 /// Computes on a thread of its own, so that Ctrl-C is heard meanwhile: then `stop` is set, and the work breaks off.
 fn interruptible<T: Send>(py: Python<'_>, stop: &AtomicBool, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    watched(py, stop, || Ok(()), work)
+}
+
+/// The same, calling `glance` now and then; its error stops the work too.
+fn watched<T: Send>(
+    py: Python<'_>,
+    stop: &AtomicBool,
+    mut glance: impl FnMut() -> PyResult<()>,
+    work: impl FnOnce() -> T + Send,
+) -> PyResult<T> {
     const PATIENCE: Duration = Duration::from_millis(50);
     std::thread::scope(|scope| {
         let (done, mut news) = std::sync::mpsc::channel();
@@ -233,7 +183,7 @@ fn interruptible<T: Send>(py: Python<'_>, stop: &AtomicBool, work: impl FnOnce()
             match heard {
                 Ok(result) => return py.check_signals().map(|()| result),
                 Err(RecvTimeoutError::Timeout) => {
-                    if let Err(interrupt) = py.check_signals() {
+                    if let Err(interrupt) = py.check_signals().and_then(|()| glance()) {
                         stop.store(true, Ordering::Relaxed);
                         return Err(interrupt);
                     }
@@ -252,26 +202,4 @@ fn named_backend(name: Option<&str>, default: Backend) -> PyResult<Backend> {
         let allowed: Vec<_> = Backend::available().map(Backend::name).collect();
         PyValueError::new_err(format!("backend \"{name}\": not on this machine; allowed: {}", allowed.join(", ")))
     })
-}
-
-const STATES: usize = 20;
-
-fn motion(row: &[f64]) -> Motion<f64> {
-    let vector = |i: usize| Vec3([row[i], row[i + 1], row[i + 2]]);
-    let quaternion = |i: usize| Quat([row[i], row[i + 1], row[i + 2], row[i + 3]]);
-    Motion {
-        position: vector(0),
-        velocity: vector(3),
-        chaser_attitude: quaternion(6),
-        chaser_rate: vector(10),
-        debris_attitude: quaternion(13),
-        debris_rate: vector(17),
-    }
-}
-
-fn state(motion: &Motion<f64>) -> impl Iterator<Item = f64> {
-    let translation = motion.position.0.into_iter().chain(motion.velocity.0);
-    let chaser = motion.chaser_attitude.0.into_iter().chain(motion.chaser_rate.0);
-    let debris = motion.debris_attitude.0.into_iter().chain(motion.debris_rate.0);
-    translation.chain(chaser).chain(debris)
 }

@@ -58,14 +58,14 @@ def _millions(rate: float) -> str:
 
 def _steps_per_second(backend: str, threads: int) -> float:
     from detumble.compiled import core
-    from detumble.workload import random_starts, workload
+    from detumble.workload import random_starts, start_columns, workload
 
     recipe = workload()
     periods: int = recipe["plan"]["periods"]
 
     def fly(count: int) -> float:
-        starts = random_starts(count)
-        return _timed(lambda: core().fly_starts(recipe, starts, 0, 0, threads, backend, True))
+        columns = start_columns(random_starts(count))
+        return _timed(lambda: core().fly_many(recipe, columns, count, 0, 0, threads, backend, True))
 
     probe = 64 * threads
     fly(probe)

@@ -19,12 +19,13 @@ if TYPE_CHECKING:
 Tree = dict[str, Any]
 
 
-def case(scenario: Scenario, law: str) -> Tree:
+def case(scenario: Scenario, law: str, *, until_the_end: bool = True) -> Tree:
     """Give everything that the core needs for one flight.
 
     Args:
         scenario: what is flown; checked here once more as a whole.
         law: one of `LAWS`, or `none` for open loop.
+        until_the_end: fly the whole duration, whatever the scenario says of the flights of its campaigns.
 
     Returns:
         Nested dicts of floats, ints, bools and lists, SI, quaternions normalised, inertias 3x3.
@@ -63,6 +64,8 @@ def case(scenario: Scenario, law: str) -> Tree:
         "actuators": {
             "force": axes(scenario.actuators.force_limit),
             "torque": axes(scenario.actuators.torque_limit),
+            "force_gain": axes(scenario.actuators.force_gain),
+            "torque_gain": axes(scenario.actuators.torque_gain),
         },
         "sensors": {
             "position": scenario.sensors.position_sigma,
@@ -72,7 +75,7 @@ def case(scenario: Scenario, law: str) -> Tree:
         },
         "belief": _belief(scenario),
         "law": _open_loop(scenario) if law == "none" else _law(scenario, law),
-        "plan": _plan(scenario, law),
+        "plan": _plan(scenario, law, until_the_end),
     }
 
 
@@ -153,7 +156,7 @@ def _gains(channel: Section, form: str) -> Tree:
     return {name: value if name == "r" else axes(value) for name, value in fields.items()}
 
 
-def _plan(scenario: Scenario, law: str) -> Tree:
+def _plan(scenario: Scenario, law: str, until_the_end: bool) -> Tree:
     time, capture, laws = scenario.time, scenario.capture, scenario.laws
     return {
         "control_period": time.control_period,
@@ -170,4 +173,6 @@ def _plan(scenario: Scenario, law: str) -> Tree:
         "scaled_saturation": scenario.actuators.saturation == "scaled",
         "two_epsilon": laws.attitude_error == "two_epsilon",
         "exact_surface_rate": laws.surface_rate == "exact",
+        "end": "duration" if until_the_end or law == "none" else scenario.campaign.end,
+        "hold_ticks": ticks(scenario.campaign.hold, time.control_period),
     }

@@ -90,7 +90,7 @@ class Orbit(Section):
     def mean_motion(self) -> float:
         """Angular rate of H about its z axis, rad/s: sqrt(mu / a^3)."""
         radius = self.radius if self.radius is not None else self.earth_radius + (self.altitude or 0.0)
-        return math.sqrt(self.mu / radius**3)
+        return math.sqrt(self.mu / (radius * radius * radius))
 
 
 def _mass() -> Quantity:
@@ -165,10 +165,16 @@ class Settled(Section):
 
 
 class Actuators(Section):
-    """Ideal generators of force and torque, with limits."""
+    """Generators of force and torque, with limits and a gain that may be off."""
 
     force_limit: Annotated[Axes, Quantity("N", "limit per axis", shape="axes", above=0.0, most=1e6, infinite=True)]
     torque_limit: Annotated[Axes, Quantity("N m", "limit per axis", shape="axes", above=0.0, most=1e6, infinite=True)]
+    force_gain: Annotated[
+        Axes, Quantity("", "force given per force commanded, after the limit", shape="axes", above=0.0, most=10.0)
+    ] = 1.0
+    torque_gain: Annotated[
+        Axes, Quantity("", "torque given per torque commanded, after the limit", shape="axes", above=0.0, most=10.0)
+    ] = 1.0
     saturation: Literal["per_axis", "scaled"] = Field(
         "per_axis", description="each axis is clipped, or the whole vector is scaled until it fits"
     )
@@ -206,6 +212,16 @@ class Belief(Section):
     stack_inertia: Annotated[Inertia, _inertia("believed inertia of the stack", rigid=False)] | None = None
 
     relations: ClassVar[tuple[Relation, ...]] = (_belief_relation("stack_mass"), _belief_relation("stack_inertia"))
+
+
+class Campaign(Section):
+    """How a campaign's flights end; a single flight lasts its whole duration."""
+
+    end: Literal["settled", "captured", "duration"] = Field(
+        "settled",
+        description="when the stack has been settled for `hold` (at capture, if nothing merges), at capture, or never early",
+    )
+    hold: Annotated[float, Quantity("s", "how long the stack must have been settled", least=0.0, most=1e7)] = 10.0
 
 
 def _grasp_fault(chaser: object, debris: object) -> str | None:
@@ -251,6 +267,7 @@ class Scenario(Section):
     sensors: Sensors = Field(default_factory=Sensors)
     belief: Belief = Field(default_factory=Belief)
     laws: Laws = Field(default_factory=Laws)
+    campaign: Campaign = Field(default_factory=Campaign)
 
     checks_relations_on_assignment: ClassVar[bool] = False
     relations: ClassVar[tuple[Relation, ...]] = (

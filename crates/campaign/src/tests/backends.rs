@@ -1,5 +1,5 @@
-use super::fixture::{Campaign, FIRST, LAWS, SEED, Way, bits};
-use crate::{Outcome, fly_one};
+use super::fixture::{Campaign, LAWS, Way, alone, bits};
+use crate::Outcome;
 use detumble_core::case::{Motion, NoiseSigmas};
 use detumble_core::number::Backend;
 
@@ -33,7 +33,7 @@ fn fleets_have_the_same_bits_on_avx2_and_avx512_on_one_thread_and_two_and_as_sin
                     );
                 }
                 for i in [0, 5, 7, 28] {
-                    let alone = fly_one(&campaign.recipe(i), SEED, FIRST + i as u64, backend, &crate::UNSTOPPED);
+                    let alone = alone(&campaign.recipe(i), i, backend);
                     assert_eq!(
                         bits(&alone.summary),
                         bits(&reference[i].summary),
@@ -78,7 +78,7 @@ fn portable_fleet_has_the_bits_of_its_single_flights_on_any_number_of_threads() 
         let fleet = campaign.fly(7, Backend::Portable, 1);
         assert_eq!(all_bits(&campaign.fly(7, Backend::Portable, 2)), all_bits(&fleet));
         for i in [0, 6] {
-            let alone = fly_one(&campaign.recipe(i), SEED, FIRST + i as u64, Backend::Portable, &crate::UNSTOPPED);
+            let alone = alone(&campaign.recipe(i), i, Backend::Portable);
             assert_eq!(bits(&alone.summary), bits(&fleet[i].summary));
         }
     }
@@ -169,7 +169,7 @@ fn quiet_beside_noisy(quiet: impl Fn(&mut NoiseSigmas<f64>) + Sync) {
                 quiet(&mut case.sensors);
             }
         });
-        let alone = fly_one(&recipe, SEED, FIRST + 2, backend, &crate::UNSTOPPED);
+        let alone = alone(&recipe, 2, backend);
         assert_eq!(bits(&alone.summary), bits(&fleet[2].summary), "{backend:?}");
     }
 }

@@ -1,5 +1,4 @@
-use super::fixture::{Campaign, FIRST, SEED, Way, bits};
-use crate::fly_one;
+use super::fixture::{Campaign, Way, alone, bits};
 use detumble_core::case::Case;
 use detumble_core::number::{Backend, Mat3, Vec3};
 
@@ -30,7 +29,7 @@ fn diverged_flight_is_reported_with_its_time_and_its_neighbours_are_untouched() 
             // Its history ends with the last whole state, one period earlier.
             let mut recipe = campaign.recipe(LOST);
             lose(LOST, &mut recipe.case);
-            let alone = fly_one(&recipe, SEED, FIRST + LOST as u64, backend, &crate::UNSTOPPED);
+            let alone = alone(&recipe, LOST, backend);
             let times = &alone.series[0].values;
             let diverged = with_lost[LOST].summary.diverged_time;
             println!("{way:?} {backend:?}: diverged at {diverged} s");

@@ -1,11 +1,12 @@
 //! Fleets of random starts near the paper's case, with every law and both ways of flying it.
 
-use crate::{Fleet, Outcome, fly_many};
+use crate::{Column, Fleet, FlightRecord, Operation, Outcome, fly_many, fly_one};
+use detumble_core::batch::Fields;
 use detumble_core::case::*;
 use detumble_core::gnc::laws::{Form, Gains, LawRecipe, PhaseGains, lqr, pd, prrl, sosmc, tsmc};
-use detumble_core::hardware::sensors::Noisy;
 use detumble_core::number::{Backend, Mat3, Quat, Stream, Vec3};
-use detumble_core::scene::{Laws, Numbers};
+use detumble_core::scene::Common;
+use std::sync::atomic::AtomicUsize;
 
 pub const LAWS: [&str; 5] = ["pd", "lqr", "sosmc", "tsmc", "prrl"];
 
@@ -57,21 +58,71 @@ impl Campaign {
             change(i, &mut case);
             case
         };
-        let noisy = (0..flights).fold(Noisy::default(), |all, i| all.or(Noisy::new(&case(i).sensors)));
-        let laws = Laws::new(&self.law, &case(0), &self.plan);
-        let fleet = Fleet {
-            plan: &self.plan,
-            noisy,
-            laws: &laws,
-            seed: SEED,
-            first_index: FIRST,
-            flights,
-            backend,
-            threads,
-            stop: &crate::UNSTOPPED,
-        };
-        fly_many(&fleet, &|i| Numbers::new(&case(i), &self.plan))
+        let cases: Vec<_> = (0..flights).map(case).collect();
+        let recipe = FlightRecipe { case: case(0), law: self.law.clone(), plan: self.plan };
+        let differing: Vec<_> = PATHS.iter().map(|path| (path, column(&cases, path))).collect();
+        let columns = differing.iter().filter_map(|(path, values)| {
+            let values = values.as_deref()?;
+            Some(Column { path: path.to_string(), values })
+        });
+        let fleet = Fleet::new(recipe, columns.collect(), flights).unwrap();
+        fly_many(&fleet, &operation(backend, threads)).flights
     }
+}
+
+/// Flight `i` by itself, as one of a fleet whose inertias differ.
+pub fn alone(recipe: &FlightRecipe, i: usize, backend: Backend) -> FlightRecord {
+    let common = Common::new(&recipe.case, &recipe.plan, ["chaser.inertia", "debris.inertia"]);
+    fly_one(recipe, common, SEED, FIRST + i as u64, backend, &crate::UNSTOPPED)
+}
+
+pub fn operation(backend: Backend, threads: usize) -> Operation<'static> {
+    static LANDED: AtomicUsize = AtomicUsize::new(0);
+    Operation { seed: SEED, first_index: FIRST, backend, threads, landed: &LANDED, stop: &crate::UNSTOPPED }
+}
+
+/// Everything in which two cases can differ.
+const PATHS: [&str; 33] = [
+    "orbit.mean_motion",
+    "orbit.lvlh_attitude",
+    "chaser.mass",
+    "chaser.inertia",
+    "chaser.grasp_point",
+    "debris.mass",
+    "debris.inertia",
+    "debris.grasp_point",
+    "start.position",
+    "start.velocity",
+    "start.chaser_attitude",
+    "start.chaser_rate",
+    "start.debris_attitude",
+    "start.debris_rate",
+    "goal.position",
+    "goal.after_capture",
+    "capture.distance",
+    "capture.angle",
+    "capture.rate",
+    "capture.speed",
+    "settled.angle",
+    "settled.rate",
+    "actuators.force",
+    "actuators.torque",
+    "actuators.force_gain",
+    "actuators.torque_gain",
+    "sensors.position",
+    "sensors.velocity",
+    "sensors.attitude",
+    "sensors.rate",
+    "belief.chaser_mass",
+    "belief.chaser_inertia",
+    "belief.stack_mass",
+];
+
+/// The numbers of all cases at a path, unless they are the same.
+fn column(cases: &[Case<f64>], path: &str) -> Option<Vec<f64>> {
+    let rows: Vec<Vec<f64>> = cases.iter().map(|case| { *case }.field(path).unwrap().to_vec()).collect();
+    let differ = rows.iter().any(|row| row != &rows[0]);
+    differ.then(|| rows.concat())
 }
 
 pub const SEED: u64 = 2026;
@@ -100,6 +151,8 @@ fn plan(way: Way, periods: u32) -> Plan {
         scaled_saturation: corrected,
         two_epsilon: corrected,
         exact_surface_rate: corrected,
+        end: End::Duration,
+        hold_ticks: 0,
     }
 }
 
@@ -144,7 +197,7 @@ fn case(i: usize) -> Case<f64> {
         goal: GoalPositions { position: goal, after_capture: Vec3([0.05, 0.2, -0.05]) },
         capture: CaptureThresholds { distance: 0.5, angle: 20f64.to_radians(), rate: 0.05, speed: f64::INFINITY },
         settled: SettledThresholds { angle: 2f64.to_radians(), rate: 0.005 },
-        actuators: Limits { force: Vec3([0.1; 3]), torque: Vec3([0.01; 3]) },
+        actuators: Limits::exact(Vec3([0.1; 3]), Vec3([0.01; 3])),
         sensors: NoiseSigmas { position: 1e-3, velocity: 1e-4, attitude: 2e-3, rate: 1e-4 },
         belief: Belief {
             chaser_mass: 9.0,

@@ -1,7 +1,7 @@
 //! Every metric against its plain definition over the history of the flight.
 
-use super::fixture::{Campaign, FIRST, LAWS, SEED, Way};
-use crate::{FlightRecord, fly_one};
+use super::fixture::{Campaign, LAWS, Way, alone};
+use crate::FlightRecord;
 use detumble_core::case::FlightRecipe;
 use detumble_core::number::Backend;
 
@@ -111,7 +111,7 @@ fn metrics_are_their_definitions_over_the_history() {
             let campaign = Campaign::new(law, way, 150, true);
             for i in 0..6 {
                 let recipe = campaign.recipe(i);
-                let record = fly_one(&recipe, SEED, FIRST + i as u64, Backend::best_for_one(), &crate::UNSTOPPED);
+                let record = alone(&recipe, i, Backend::best_for_one());
                 check(&recipe, &record);
                 captured += u32::from(record.merge.is_some());
                 settled += u32::from(record.summary.settling_time.is_finite());
@@ -128,7 +128,7 @@ fn merge_in_the_record_is_the_conserving_one_of_its_state_before() {
     let mut seen = 0;
     for i in 0..8 {
         let recipe = campaign.recipe(i);
-        let record = fly_one(&recipe, SEED, FIRST + i as u64, Backend::best_for_one(), &crate::UNSTOPPED);
+        let record = alone(&recipe, i, Backend::best_for_one());
         let Some(merge) = record.merge else { continue };
         seen += 1;
         // Angular momentum about the common centre of mass, in N: H turns from N's axes by n t about z.

@@ -4,9 +4,8 @@ use super::*;
 use crate::case::*;
 use crate::gnc::laws::LawRecipe;
 use crate::gnc::laws::{Form, Gains, PhaseGains, pd};
-use crate::hardware::sensors::Noisy;
 use crate::number::Mat3;
-use crate::scene::{Laws, Numbers};
+use crate::scene::{Common, Sortie};
 use crate::tests::assert_near;
 
 struct Row {
@@ -23,7 +22,7 @@ struct Log {
 }
 
 impl Observer<f64> for Log {
-    fn captured(&mut self, _scene: &Scene<'_, f64>, _lanes: bool, _before: &Motion<f64>, _error: &TrackingError<f64>) {
+    fn captured(&mut self, _scene: &Scene<f64>, _lanes: bool, _before: &Motion<f64>, _error: TrackingError<f64>) {
         self.captured_before_row.push(self.rows.len());
     }
 
@@ -31,7 +30,7 @@ impl Observer<f64> for Log {
         self.merged += 1;
     }
 
-    fn observe(&mut self, _scene: &Scene<'_, f64>, flight: &Flight<f64>, tick: &Tick<f64>) {
+    fn observe(&mut self, _scene: &Scene<f64>, flight: &Flight<f64>, tick: &Tick<f64>) {
         self.rows.push(Row { tick: *tick, truth: flight.truth, mass: flight.vehicle.mass });
     }
 }
@@ -60,7 +59,7 @@ fn recipe() -> FlightRecipe {
             goal: GoalPositions { position: Vec3([0.0; 3]), after_capture: Vec3([0.0, 0.7, 0.0]) },
             capture: CaptureThresholds { distance: 0.5, angle: 0.35, rate: 0.05, speed: f64::INFINITY },
             settled: SettledThresholds { angle: 0.1, rate: 0.005 },
-            actuators: Limits { force: Vec3([0.1; 3]), torque: Vec3([0.01; 3]) },
+            actuators: Limits::exact(Vec3([0.1; 3]), Vec3([0.01; 3])),
             sensors: NoiseSigmas { position: 0.0, velocity: 0.0, attitude: 0.0, rate: 0.0 },
             belief: Belief {
                 chaser_mass: 9.0,
@@ -85,18 +84,17 @@ fn recipe() -> FlightRecipe {
             scaled_saturation: false,
             two_epsilon: false,
             exact_surface_rate: false,
+            end: End::Duration,
+            hold_ticks: 0,
         },
     }
 }
 
 fn watch(recipe: &FlightRecipe) -> (Log, Flight<f64>) {
-    let (numbers, laws) =
-        (Numbers::new(&recipe.case, &recipe.plan), Laws::new(&recipe.law, &recipe.case, &recipe.plan));
-    let pick_laws = |_| &laws;
-    let noisy = Noisy::new(&recipe.case.sensors);
-    let scene = Scene::<f64>::new(&recipe.plan, noisy, &|_| &numbers, &pick_laws);
-    let (mut flight, mut log) = (scene.start(), Log::default());
-    fly(&scene, &mut flight, &Stream::new(1, |_| 0), &mut log);
+    let sortie = Sortie::new(recipe);
+    let mut scene = Scene::<f64>::new(&recipe.plan, Common::new(&recipe.case, &recipe.plan, []), &sortie);
+    let (mut flight, mut log) = (sortie.start(), Log::default());
+    fly_alone(&mut scene, &mut flight, &mut Stream::new(1, |_| 0), &mut log);
     (log, flight)
 }
 
@@ -125,7 +123,7 @@ fn ticks_are_the_first_to_the_last_and_the_last_is_not_flown() {
     let (log, _) = watch(&recipe());
     assert_eq!(log.rows.len(), 21);
     for (k, row) in log.rows.iter().enumerate() {
-        assert_eq!((row.tick.number, row.tick.time, row.tick.flown), (k as u32, 0.5 * k as f64, k < 20));
+        assert_eq!((row.tick.number, row.tick.time, row.tick.flown), (k as f64, 0.5 * k as f64, k < 20));
     }
 }
 

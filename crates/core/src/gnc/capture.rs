@@ -31,15 +31,47 @@ impl CaptureTest<f64> {
     }
 }
 
-impl<R: Real> CaptureTest<R> {
-    /// Which lanes hold now. `error` is the true one, against the debris.
+/// The squares of what capture is judged by, at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Judged<R> {
+    /// Distance² \[m²\].
+    pub distance_squared: R,
+    /// sin² of half the angle.
+    pub sin_squared: R,
+    /// Rate² \[rad²/s²\].
+    pub rate_squared: R,
+    /// Speed² \[m²/s²\].
+    pub speed_squared: R,
+}
+
+impl<R: Real> Judged<R> {
+    /// `error` is the true one, against the debris.
     #[inline(always)]
-    pub fn holds(&self, error: &TrackingError<R>, motion: &Motion<R>, distance_from_debris: bool) -> R::Mask {
+    pub fn of(error: &TrackingError<R>, motion: &Motion<R>, distance_from_debris: bool) -> Self {
         let distance = if distance_from_debris { motion.position } else { error.position };
-        distance.norm_squared().lt(self.distance_squared)
-            & error.attitude.vector().norm_squared().lt(self.sin_squared)
-            & error.rate.norm_squared().lt(self.rate_squared)
-            & error.velocity.norm_squared().lt(self.speed_squared)
+        Self {
+            distance_squared: distance.norm_squared(),
+            sin_squared: error.attitude.vector().norm_squared(),
+            rate_squared: error.rate.norm_squared(),
+            speed_squared: error.velocity.norm_squared(),
+        }
+    }
+
+    /// Lanes whose state is still made of numbers: whatever part of it leaves them, one of these squares does.
+    #[inline(always)]
+    pub fn is_finite(&self) -> R::Mask {
+        (self.distance_squared + self.sin_squared + self.rate_squared + self.speed_squared).is_finite()
+    }
+}
+
+impl<R: Real> CaptureTest<R> {
+    /// Which lanes hold now.
+    #[inline(always)]
+    pub fn holds(&self, judged: &Judged<R>) -> R::Mask {
+        judged.distance_squared.lt(self.distance_squared)
+            & judged.sin_squared.lt(self.sin_squared)
+            & judged.rate_squared.lt(self.rate_squared)
+            & judged.speed_squared.lt(self.speed_squared)
     }
 }
 
@@ -68,13 +100,14 @@ impl<R: Real> SettledTest<R> {
     }
 }
 
-/// The capture of each lane so far.
-#[derive(Clone, Copy, Debug)]
-pub struct CaptureState<R: Real> {
-    /// Ticks in a row for which the thresholds have held.
-    held: R,
-    /// Time of capture \[s\], infinite while there is none.
-    pub time: R,
+batch_struct! {
+    /// The capture of each lane so far.
+    pub struct CaptureState<R> {
+        /// Ticks in a row for which the thresholds have held.
+        pub held: R,
+        /// Time of capture \[s\], infinite while there is none.
+        pub time: R,
+    }
 }
 
 impl<R: Real> CaptureState<R> {
@@ -92,10 +125,10 @@ impl<R: Real> CaptureState<R> {
 
     /// Judges one tick; returns the lanes captured just now.
     #[inline(always)]
-    pub fn judge(&mut self, holds: R::Mask, time: f64, dwell_ticks: u32) -> R::Mask {
+    pub fn judge(&mut self, holds: R::Mask, time: R, dwell_ticks: u32) -> R::Mask {
         self.held = R::select(holds, self.held + R::one(), R::zero());
         let newly = R::splat(f64::from(dwell_ticks)).lt(self.held) & !self.captured();
-        self.time = R::select(newly, R::splat(time), self.time);
+        self.time = R::select(newly, time, self.time);
         newly
     }
 }

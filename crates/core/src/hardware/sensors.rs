@@ -45,14 +45,14 @@ impl Noisy {
     }
 }
 
-/// What the sensors see of the truth at control tick `tick`.
+/// What the sensors see of the truth at control tick `tick`, a whole number.
 #[inline(always)]
 pub fn sense<R: Real>(
     sigmas: &NoiseSigmas<R>,
     noisy: Noisy,
     truth: &Motion<R>,
     dice: &Stream<R>,
-    tick: u32,
+    tick: R,
 ) -> Motion<R> {
     // Twelve normals a tick: position 0–2, attitude 3–5, rate 6–8, velocity 9–11; none drawn beyond the last in use.
     let mut normals = [[R::zero(); 2]; 6];

@@ -2,11 +2,10 @@
 
 use super::*;
 use crate::case::*;
-use crate::closed_loop::fly;
+use crate::closed_loop::fly_alone;
 use crate::gnc::laws::{Form, Gains, LawRecipe, PhaseGains, Segment, pd};
-use crate::hardware::sensors::Noisy;
 use crate::number::{Mat3, Quat, Stream};
-use crate::scene::{Laws, Numbers};
+use crate::scene::{Common, Sortie};
 use crate::tests::assert_near;
 
 /// Tick length 0.5 s, 10 periods; far apart, so nothing is captured unless told; no orbit.
@@ -29,7 +28,7 @@ fn recipe(law: LawRecipe) -> FlightRecipe {
             goal: GoalPositions { position: Vec3([0.0; 3]), after_capture: Vec3([0.0; 3]) },
             capture: CaptureThresholds { distance: 0.5, angle: 0.3, rate: 0.05, speed: f64::INFINITY },
             settled: SettledThresholds { angle: 0.2, rate: 0.01 },
-            actuators: Limits { force: Vec3([0.4; 3]), torque: Vec3([0.02; 3]) },
+            actuators: Limits::exact(Vec3([0.4; 3]), Vec3([0.02; 3])),
             sensors: NoiseSigmas { position: 0.0, velocity: 0.0, attitude: 0.0, rate: 0.0 },
             belief: Belief {
                 chaser_mass: 8.0,
@@ -54,19 +53,18 @@ fn recipe(law: LawRecipe) -> FlightRecipe {
             scaled_saturation: false,
             two_epsilon: false,
             exact_surface_rate: false,
+            end: End::Duration,
+            hold_ticks: 0,
         },
     }
 }
 
 fn summary(recipe: &FlightRecipe) -> Summary {
-    let (numbers, laws) =
-        (Numbers::new(&recipe.case, &recipe.plan), Laws::new(&recipe.law, &recipe.case, &recipe.plan));
-    let pick_laws = |_| &laws;
-    let scene = Scene::<f64>::new(&recipe.plan, Noisy::default(), &|_| &numbers, &pick_laws);
-    let mut flight = scene.start();
-    let mut metrics = Metrics::default();
-    fly(&scene, &mut flight, &Stream::new(0, |_| 0), &mut metrics);
-    metrics.summary(&scene, &flight, 0)
+    let sortie = Sortie::new(recipe);
+    let mut scene = Scene::<f64>::new(&recipe.plan, Common::new(&recipe.case, &recipe.plan, []), &sortie);
+    let (mut flight, mut metrics) = (sortie.start(), Metrics::default());
+    let last = fly_alone(&mut scene, &mut flight, &mut Stream::new(0, |_| 0), &mut metrics);
+    metrics.summary(&scene, &flight, last, 0)
 }
 
 /// Ticks 2 and 3: over the force limit on x and the torque limit on z; tick 6: within both.
@@ -113,7 +111,7 @@ fn demand_at_the_limit_is_not_saturated() {
     recipe.case.actuators.force = Vec3([1.0, 0.2, 0.3]);
     let s = summary(&recipe);
     assert_eq!((s.force_saturated_share, s.torque_saturated_share), (0.0, 0.2));
-    recipe.case.actuators = Limits { force: Vec3([f64::INFINITY; 3]), torque: Vec3([f64::INFINITY; 3]) };
+    recipe.case.actuators = Limits::exact(Vec3([f64::INFINITY; 3]), Vec3([f64::INFINITY; 3]));
     let s = summary(&recipe);
     assert_eq!((s.force_saturated_share, s.torque_saturated_share), (0.0, 0.0));
     assert_near(&[s.peak_force, s.peak_torque], &[1.0, 0.05], 0.0);

@@ -15,6 +15,8 @@ macro_rules! polynomial {
     ($x:expr; $c:expr, $($rest:expr),+) => { polynomial!($x; $($rest),+).mul_add($x, R::splat($c)) };
 }
 
+pub(super) use polynomial;
+
 /// Adding it leaves a number below 2^51 rounded to an integer, which then stands in the low bits in two's complement.
 const ROUND: f64 = (3u64 << 51) as f64;
 
@@ -40,30 +42,8 @@ fn residual<R: Real>(c: R, a: R, b: R) -> R {
     c - a0 * b0 - a0 * b1 - a1 * b0 - a1 * b1
 }
 
-/// exp of the unevaluated sum `hi + lo`, where `lo` is of the size of the rounding of `hi`.
-///
-/// ```text
-/// x = n ln 2 + r, |r| <= ln 2 / 2        e^x = 2^n (1 + r + r² (1/2! + r/3! + ...))
-/// ```
-#[inline(always)]
-fn exp_of_sum<R: Real>(hi: R, lo: R) -> R {
-    let hi = hi.clamp(R::splat(-708.0), R::splat(708.0));
-    // The exponent's bias is added on the way, so that the low bits are those of 2^n.
-    const BIASED: f64 = ROUND + 1023.0;
-    let shifted = hi.mul_add(R::splat(core::f64::consts::LOG2_E), R::splat(BIASED));
-    let n = shifted - R::splat(BIASED);
-    let power = R::from_bits(shifted.to_bits().shl::<52>());
-
-    let r = n.mul_add(R::splat(-LN_2[0]), hi) + n.mul_add(R::splat(-LN_2[1]), lo);
-    let z = r * r;
-    // Even and odd terms apart halve the chain of dependent operations.
-    let even =
-        polynomial!(z; 1.0 / 2.0, 1.0 / 24.0, 1.0 / 720.0, 1.0 / 40_320.0, 1.0 / 3_628_800.0, 1.0 / 479_001_600.0);
-    let odd = polynomial!(z; 1.0 / 6.0, 1.0 / 120.0, 1.0 / 5_040.0, 1.0 / 362_880.0, 1.0 / 39_916_800.0, 1.0 / 6_227_020_800.0);
-    let y = R::one() + z.mul_add(odd.mul_add(r, even), r);
-    // A product, not an addition to the exponent bits: NaN times anything is NaN.
-    y * power
-}
+/// The exponent's bias is added on the way to an integer, so that the low bits are those of 2^n.
+const BIASED: f64 = ROUND + 1023.0;
 
 /// A positive normal number as 2^k (1 + f), √½ <= 1 + f < √2: k and f.
 #[inline(always)]
@@ -100,28 +80,29 @@ pub(super) fn ln_of_normal<R: Real>(x: R) -> R {
     k.mul_add(R::splat(core::f64::consts::LN_2), s + s + ln_tail(s))
 }
 
-/// The same as an unevaluated sum `hi + lo`, good to some 60 bits.
-#[inline(always)]
-fn ln_parts<R: Real>(x: R) -> (R, R) {
-    let (k, f) = exponent_and_fraction(x);
-    let d = R::splat(2.0) + f;
-    let d_rest = f - (d - R::splat(2.0));
-    let inverse = R::one() / d;
-    let s = f * inverse;
-    let s_rest = (residual(f, s, d) - s * d_rest) * inverse;
-
-    let k_ln_2 = k * R::splat(LN_2[0]);
-    let two_s = s + s;
-    let sum = k_ln_2 + two_s;
-    let small = s_rest + s_rest + k.mul_add(R::splat(LN_2[1]), ln_tail(s));
-    let rest = (two_s - (sum - k_ln_2)) + small;
-    let hi = sum + rest;
-    (hi, rest - (hi - sum))
-}
-
+/// ```text
+/// x = n ln 2 + r, |r| <= ln 2 / 2        e^x = 2^n (1 + r + r² (1/2! + r/3! + ...))
+/// ```
 #[inline(always)]
 pub(super) fn exp<R: Real>(x: R) -> R {
-    exp_of_sum(x, R::zero())
+    let x = x.clamp(R::splat(-708.0), R::splat(708.0));
+    let shifted = x.mul_add(R::splat(core::f64::consts::LOG2_E), R::splat(BIASED));
+    let n = shifted - R::splat(BIASED);
+
+    let r = n.mul_add(R::splat(-LN_2[1]), n.mul_add(R::splat(-LN_2[0]), x));
+    let z = r * r;
+    // Even and odd terms apart halve the chain of dependent operations.
+    let even =
+        polynomial!(z; 1.0 / 2.0, 1.0 / 24.0, 1.0 / 720.0, 1.0 / 40_320.0, 1.0 / 3_628_800.0, 1.0 / 479_001_600.0);
+    let odd = polynomial!(z; 1.0 / 6.0, 1.0 / 120.0, 1.0 / 5_040.0, 1.0 / 362_880.0, 1.0 / 39_916_800.0, 1.0 / 6_227_020_800.0);
+    let y = R::one() + z.mul_add(odd.mul_add(r, even), r);
+    y * power_of_two(shifted)
+}
+
+/// 2^n from n + [`BIASED`]. To be multiplied with, not added to exponent bits: NaN times anything is NaN.
+#[inline(always)]
+fn power_of_two<R: Real>(shifted: R) -> R {
+    R::from_bits(shifted.to_bits().shl::<52>())
 }
 
 #[inline(always)]
@@ -133,16 +114,43 @@ pub(super) fn ln<R: Real>(x: R) -> R {
     R::select(x.lt(infinity), y, x)
 }
 
-/// `x^a = exp(a ln x)`, with the logarithm and its product with `a` carried beyond 53 bits: an error in them is multiplied by up to 708.
+/// ```text
+/// x = 2^k (1 + f)        x^a = 2^(a k + a log2(1 + f)) = 2^n 2^r, |r| <= 1/2
+/// ```
+///
+/// Only a k can be large; its rounding error is carried along, so that r is good to a few units of 2^-54 whatever n is.
 #[inline(always)]
 pub(super) fn powf<R: Real>(x: R, a: R) -> R {
     let smallest = R::splat(f64::MIN_POSITIVE);
-    let (hi, lo) = ln_parts(x.max(smallest));
-    let p = a * hi;
-    let y = exp_of_sum(p, a.mul_add(lo, -residual(p, a, hi)));
-    let vanishes = x.lt(smallest) & R::zero().lt(a);
-    let y = R::select(vanishes, R::zero(), y);
-    R::select(x.lt(R::splat(f64::INFINITY)), y, x)
+    let (k, f) = exponent_and_fraction(x.max(smallest));
+    let log = log2_of_one_plus(f);
+    let whole = a * k;
+    let rest = a.mul_add(log, -residual(whole, a, k));
+
+    let p = (whole + rest).clamp(R::splat(-1021.0), R::splat(1021.0));
+    let shifted = p + R::splat(BIASED);
+    let half = R::splat(0.5);
+    // Held within its range for exponents beyond all bounds.
+    let r = ((whole - (shifted - R::splat(BIASED))) + rest).clamp(-half, half);
+
+    let z = r * r;
+    let even = polynomial!(z; 0.24022650695910071, 0.009618129107628477, 0.00015403530393381609,
+        1.3215486790144309e-6, 7.054911620801123e-9, 2.5678435993488205e-11);
+    let odd = polynomial!(z; 0.05550410866482158, 0.0013333558146428443, 1.525273380405984e-5,
+        1.01780860092397e-7, 4.4455382718708115e-10);
+    let y = R::one() + z.mul_add(odd.mul_add(r, even), r * R::splat(core::f64::consts::LN_2));
+    R::select(x.lt(R::splat(f64::INFINITY)), y * power_of_two(shifted), x)
+}
+
+/// log2 (1 + f), √½ <= 1 + f < √2: the series of [`ln_tail`] over ln 2.
+#[inline(always)]
+fn log2_of_one_plus<R: Real>(f: R) -> R {
+    let s = f / (R::splat(2.0) + f);
+    let z = s * s;
+    let w = z * z;
+    let even = polynomial!(w; 0.9617966939259855, 0.41219858559594116, 0.2623334938321297, 0.213492877416917);
+    let odd = polynomial!(w; 0.5770780163470651, 0.3205985547571299, 0.2209319770562782);
+    s.mul_add(R::splat(2.8853900817779268), (s * z) * odd.mul_add(z, even))
 }
 
 #[inline(always)]

@@ -105,6 +105,10 @@ impl<T: Bits, const N: usize> Bits for Group<T, N> {
         self.0[i / T::LANES].lane(i % T::LANES)
     }
     #[inline(always)]
+    fn set_lane(&mut self, i: usize, value: u64) {
+        self.0[i / T::LANES].set_lane(i % T::LANES, value);
+    }
+    #[inline(always)]
     fn shl<const S: u32>(self) -> Self {
         each!(self, shl::<S>)
     }
@@ -135,6 +139,10 @@ impl<T: Real, const N: usize> Real for Group<T, N> {
     #[inline(always)]
     fn lane(self, i: usize) -> f64 {
         self.0[i / T::LANES].lane(i % T::LANES)
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, i: usize, x: f64) {
+        self.0[i / T::LANES].set_lane(i % T::LANES, x);
     }
     #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {

@@ -57,6 +57,15 @@ impl<R: Real> Mat3<R> {
     pub fn lane(self, i: usize) -> Mat3<f64> {
         rows!(I => self.row(I).lane(i))
     }
+    /// Gives lane `i` another matrix.
+    #[inline(always)]
+    pub fn set_lane(&mut self, i: usize, m: Mat3<f64>) {
+        for (row, new) in self.0.iter_mut().zip(m.0) {
+            for (element, new) in row.iter_mut().zip(new) {
+                element.set_lane(i, new);
+            }
+        }
+    }
     /// `yes` in lanes where the mask holds, `no` elsewhere.
     #[inline(always)]
     pub fn select(mask: R::Mask, yes: Self, no: Self) -> Self {

@@ -9,7 +9,7 @@
 //!
 //! The result of a trajectory is therefore the same whatever lane, thread, batch or back end it flies in.
 
-use super::elementary::ln_of_normal;
+use super::elementary::{ln_of_normal, polynomial};
 use super::group::Group;
 use super::real::{Bits, Real};
 
@@ -30,15 +30,22 @@ impl<R: Real> Stream<R> {
         Self { seed, trajectory: R::Bits::from_fn(trajectory) }
     }
 
+    /// Gives lane `i` another trajectory.
+    pub fn set_lane(&mut self, i: usize, trajectory: u64) {
+        self.trajectory.set_lane(i, trajectory);
+    }
+
     /// Four uniform 32-bit words for this step and block, each in the low half of its lane; the high halves are undefined.
     #[inline(always)]
     pub fn words(&self, step: u32, block: u32) -> [R::Bits; 4] {
-        let counter = [
-            R::Bits::splat(step as u64),
-            R::Bits::splat(block as u64),
-            self.trajectory.shr::<32>(),
-            R::Bits::splat(self.seed >> 32),
-        ];
+        self.words_at(R::Bits::splat(step as u64), block)
+    }
+
+    /// The same for a step of each lane's own, of which the low half counts.
+    #[inline(always)]
+    fn words_at(&self, step: R::Bits, block: u32) -> [R::Bits; 4] {
+        let counter =
+            [step, R::Bits::splat(block as u64), self.trajectory.shr::<32>(), R::Bits::splat(self.seed >> 32)];
         philox4x32(counter, [R::Bits::splat(self.seed), self.trajectory])
     }
 
@@ -58,12 +65,15 @@ impl<R: Real> Stream<R> {
     }
 
     /// The first 4 `PAIRS`/2 of [`Stream::normals`] of blocks 0, 1, 2 in a row, two by two, for up to six pairs; all at once.
+    /// Each lane has a step of its own, a whole number below 2^32.
     #[inline(always)]
-    pub fn normal_pairs<const PAIRS: usize>(&self, step: u32) -> [[R; 2]; PAIRS] {
+    pub fn normal_pairs<const PAIRS: usize>(&self, step: R) -> [[R; 2]; PAIRS] {
         const { assert!(PAIRS <= 6) };
+        // Added to 2^52 a whole number stands in the low bits.
+        let step = (step + R::splat((1u64 << 52) as f64)).to_bits();
         let mut words = [[R::Bits::splat(0); 4]; 3];
         for (block, words) in words.iter_mut().enumerate().take(PAIRS.div_ceil(2)) {
-            *words = self.words(step, block as u32);
+            *words = self.words_at(step, block as u32);
         }
         let (mut first, mut second) = ([R::Bits::splat(0); PAIRS], [R::Bits::splat(0); PAIRS]);
         for i in 0..PAIRS {
@@ -99,12 +109,29 @@ fn midpoint<R: Real>(word: R::Bits) -> R {
     R::from_u32(word).mul_add(R::splat(CELL), R::splat(0.5 * CELL))
 }
 
-/// Two normal numbers from two words (Box & Muller 1958): radius √(-2 ln u₁), angle u₂ in turns.
+/// Two normal numbers from two words (Box & Muller 1958): radius √(-2 ln u₁), angle u₂ in turns, from the cosine and the sine.
+///
+/// With u₂ = b/2 + ¼ + t, b its first bit and |t| <= ¼:  cos 2πu₂ = ∓ sin 2πt,  sin 2πu₂ = ± cos 2πt,  b the sign.
 #[inline(always)]
 fn box_muller<R: Real>(word_1: R::Bits, word_2: R::Bits) -> [R; 2] {
     let radius = (ln_of_normal(midpoint::<R>(word_1)) * R::splat(-2.0)).sqrt();
-    let (sin, cos) = (R::from_u32(word_2) * R::splat(CELL)).sin_cos_turns();
-    [radius * cos, radius * sin]
+    let first_bit = word_2.shl::<32>() & R::Bits::splat(1 << 63);
+    let signed = R::from_bits(radius.to_bits() ^ first_bit);
+    let rest = R::from_u32(word_2 & R::Bits::splat((1 << 31) - 1)) - R::splat((1u64 << 30) as f64);
+    let (sin, cos) = sin_cos_of_word(rest * R::splat(core::f64::consts::TAU * CELL));
+    [-(signed * sin), signed * cos]
+}
+
+/// Sine and cosine of |x| <= π/2 to 2e-11: finer than the 2^-32 turns between the angles of two words.
+/// Polynomials of Chebyshev interpolation.
+#[inline(always)]
+fn sin_cos_of_word<R: Real>(x: R) -> (R, R) {
+    let z = x * x;
+    let sin = polynomial!(z; 0.9999999999829191, -0.16666666616815567, 0.008333330974207583,
+        -0.00019840861179319552, 2.752526981229885e-6, -2.3889217773452806e-8);
+    let cos = polynomial!(z; 0.999999999999248, -0.4999999999701275, 0.04166666647285179,
+        -0.0013888884170789054, 2.480103992800827e-5, -2.7524670425081664e-7, 1.9907506103760228e-9);
+    (x * sin, cos)
 }
 
 #[cfg(test)]

@@ -38,6 +38,13 @@ impl<R: Real> Quat<R> {
     pub fn lane(self, i: usize) -> Quat<f64> {
         Quat::from_parts(self.scalar().lane(i), self.vector().lane(i))
     }
+    /// Gives lane `i` another quaternion.
+    #[inline(always)]
+    pub fn set_lane(&mut self, i: usize, q: Quat<f64>) {
+        for k in 0..4 {
+            self.0[k].set_lane(i, q.0[k]);
+        }
+    }
     /// `yes` in lanes where the mask holds, `no` elsewhere.
     #[inline(always)]
     pub fn select(mask: R::Mask, yes: Self, no: Self) -> Self {

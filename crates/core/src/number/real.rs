@@ -35,6 +35,8 @@ pub trait Bits:
     fn from_fn(f: impl FnMut(usize) -> u64) -> Self;
     /// The integer of lane `i`.
     fn lane(self, i: usize) -> u64;
+    /// Gives lane `i` another integer.
+    fn set_lane(&mut self, i: usize, value: u64);
     /// Shift left by `N` < 64 bits.
     fn shl<const N: u32>(self) -> Self;
     /// Shift right by `N` < 64 bits, filling with zeros.
@@ -74,6 +76,8 @@ pub trait Real:
     fn from_fn(f: impl FnMut(usize) -> f64) -> Self;
     /// The number of lane `i`.
     fn lane(self, i: usize) -> f64;
+    /// Gives lane `i` another number.
+    fn set_lane(&mut self, i: usize, x: f64);
     /// `self * a + b`.
     fn mul_add(self, a: Self, b: Self) -> Self;
     /// Square root, correctly rounded.
@@ -149,7 +153,8 @@ pub trait Real:
     }
     /// `self` to the power `exponent`, for `self` >= 0 and |`exponent`| <= 1e9. Like [`Real::exp`] it saturates near exp(±708).
     ///
-    /// For a > 0: 0^a = 0 (subnormal and negative bases count as 0) and ∞^a = ∞. x^0 = 1 for finite x. NaN in either stays NaN.
+    /// Bases below the smallest normal number, 2.2e-308, count as that number: 0^a is tiny, not 0, for a > 0. ∞^a = ∞ for
+    /// a > 0, x^0 = 1 for finite x. NaN in either stays NaN.
     #[inline(always)]
     fn powf(self, exponent: Self) -> Self {
         elementary::powf(self, exponent)

@@ -38,6 +38,10 @@ impl Bits for Wrapping<u64> {
         self.0
     }
     #[inline(always)]
+    fn set_lane(&mut self, _: usize, value: u64) {
+        self.0 = value;
+    }
+    #[inline(always)]
     fn shl<const N: u32>(self) -> Self {
         Wrapping(self.0 << N)
     }
@@ -69,6 +73,10 @@ impl Real for f64 {
     #[inline(always)]
     fn lane(self, _: usize) -> f64 {
         self
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, _: usize, x: f64) {
+        *self = x;
     }
     #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {

@@ -55,6 +55,13 @@ impl<R: Real> Vec3<R> {
     pub fn lane(self, i: usize) -> Vec3<f64> {
         each!(I => self[I].lane(i))
     }
+    /// Gives lane `i` another vector.
+    #[inline(always)]
+    pub fn set_lane(&mut self, i: usize, v: Vec3<f64>) {
+        for k in 0..3 {
+            self.0[k].set_lane(i, v.0[k]);
+        }
+    }
     /// `yes` in lanes where the mask holds, `no` elsewhere.
     #[inline(always)]
     pub fn select(mask: R::Mask, yes: Self, no: Self) -> Self {

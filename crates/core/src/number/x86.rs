@@ -10,11 +10,12 @@ use core::arch::x86_64::*;
 use core::mem::transmute;
 use core::ops::{Add, AddAssign, BitAnd, BitOr, BitXor, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
 
-/// Evaluates an expression of intrinsics, or a transmute between a vector and the array of its lanes.
+/// Evaluates an expression of intrinsics, or a transmute between a vector and the array of its lanes, by value or by reference.
 macro_rules! on_cpu {
     ($e:expr) => {
         // SAFETY: this runs only after `dispatch` saw that the CPU has the instructions (module doc);
-        // the transmutes are between plain data of one size, and every bit pattern is valid.
+        // the transmutes are between plain data of one size, and every bit pattern is valid; a vector is aligned
+        // more strictly than the array of its lanes.
         unsafe { $e }
     };
 }
@@ -92,6 +93,10 @@ macro_rules! lanes {
                 on_cpu!(transmute::<$integers, [u64; $lanes]>(self.0))[i]
             }
             #[inline(always)]
+            fn set_lane(&mut self, i: usize, value: u64) {
+                on_cpu!(transmute::<&mut $integers, &mut [u64; $lanes]>(&mut self.0))[i] = value;
+            }
+            #[inline(always)]
             fn shl<const N: u32>(self) -> Self {
                 Self(on_cpu!($shl(self.0, _mm_cvtsi32_si128(N as i32))))
             }
@@ -123,6 +128,10 @@ macro_rules! lanes {
             #[inline(always)]
             fn lane(self, i: usize) -> f64 {
                 on_cpu!(transmute::<$vector, [f64; $lanes]>(self.0))[i]
+            }
+            #[inline(always)]
+            fn set_lane(&mut self, i: usize, x: f64) {
+                on_cpu!(transmute::<&mut $vector, &mut [f64; $lanes]>(&mut self.0))[i] = x;
             }
             #[inline(always)]
             fn mul_add(self, a: Self, b: Self) -> Self {

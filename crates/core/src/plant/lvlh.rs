@@ -19,9 +19,9 @@ pub struct Lvlh<R> {
 impl<R: Real> Lvlh<R> {
     /// H at time t \[s\].
     #[inline(always)]
-    pub fn at(orbit: &Orbit<R>, time: f64) -> Self {
+    pub fn at(orbit: &Orbit<R>, time: R) -> Self {
         Self {
-            attitude: orbit.lvlh_attitude * Quat::about_z(orbit.mean_motion * R::splat(time)),
+            attitude: orbit.lvlh_attitude * Quat::about_z(orbit.mean_motion * time),
             rate: Vec3([R::zero(), R::zero(), orbit.mean_motion]),
         }
     }

@@ -6,3 +6,4 @@ pub mod orbit;
 pub mod propagate;
 pub mod rk4;
 pub mod stack;
+pub mod top;

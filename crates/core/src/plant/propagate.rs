@@ -1,16 +1,17 @@
 //! Both bodies over one control period.
 //!
 //! - Force held in H, torque held in body axes, as every closed loop commands: translation is exact ([`HeldStep`]),
-//!   rotation is [`spin_step`].
+//!   rotation is [`spin_step`]. Debris that is a symmetric top tumbles exactly ([`FreeTop`]).
 //! - Open loop, both held in body axes: rotation is [`spin_step`]; translation follows by Simpson's rule over the exact
 //!   response to a push, with the force turned into H at the beginning, the middle and the end of the step.
 //! - Open loop, both held in H: translation is exact; attitude and rate go through RK4 together, since the torque turns
 //!   in the body.
 
-use super::attitude::{Inertia, Principal, RigidBody, Spin, renormalized, spin_step};
+use super::attitude::{Inertia, Principal, Spin, renormalized, spin_step};
 use super::lvlh::Lvlh;
 use super::orbit::HeldStep;
 use super::rk4::{Dynamics, rk4_step};
+use super::top::FreeTop;
 use crate::batch_struct;
 use crate::case::{Motion, Orbit};
 use crate::number::{Real, Vec3};
@@ -55,6 +56,8 @@ batch_struct! {
         pub half_step: HeldStep<R>,
         /// The debris' inertia.
         pub debris: Inertia<R>,
+        /// Its tumble over one integration step, if it is a symmetric top.
+        pub tumble: FreeTop<R>,
     }
 }
 
@@ -80,15 +83,24 @@ impl<R: Real> Vehicle<R> {
 
 /// One control period, as the propagation sees it.
 #[derive(Clone, Copy, Debug)]
-pub struct Period {
+pub struct Period<R> {
     /// Begin \[s\].
-    pub time: f64,
+    pub time: R,
     /// Integration step \[s\].
     pub step: f64,
     /// Steps in the period.
     pub steps: u32,
-    /// Both bodies' inertias are diagonal in every lane.
+    /// Of the bodies, in every lane.
+    pub shapes: Shapes,
+}
+
+/// What is known of the bodies' inertias, the same for all lanes; what is not known costs only time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Shapes {
+    /// Both are diagonal.
     pub principal_axes: bool,
+    /// The debris is a symmetric top about its z axis, so that its tumble has a closed form.
+    pub symmetric_debris: bool,
 }
 
 /// Moves both bodies over one control period.
@@ -99,33 +111,59 @@ pub fn propagate<R: Real>(
     motion: &mut Motion<R>,
     wrench: &Wrench<R>,
     frame: WrenchFrame,
-    period: &Period,
+    period: &Period<R>,
 ) {
-    let Period { time, step, steps, principal_axes } = *period;
-    for i in 0..steps {
-        let begin = time + f64::from(i) * step;
-        match frame {
-            WrenchFrame::Command => {
-                let force = wrench.force * vehicle.inverse_mass;
-                (motion.position, motion.velocity) =
-                    around.translation.advance(motion.position, motion.velocity, force);
-                if principal_axes {
-                    spin_both(&Principal(&vehicle.inertia), &Principal(&around.debris), motion, wrench.torque, step);
-                } else {
-                    spin_both(&vehicle.inertia, &around.debris, motion, wrench.torque, step);
-                }
-            }
-            WrenchFrame::Body => body_step(around, vehicle, motion, wrench, begin, step),
-            WrenchFrame::Lvlh => lvlh_step(around, vehicle, motion, wrench, begin, step),
-        }
+    if period.steps == 1 {
+        // No loop here: it would copy every constant it reads to its own place on the stack.
+        return integrate(around, vehicle, motion, wrench, frame, period, period.time);
+    }
+    for i in 0..period.steps {
+        let begin = period.time + R::splat(f64::from(i) * period.step);
+        integrate(around, vehicle, motion, wrench, frame, period, begin);
     }
 }
 
+/// One integration step.
 #[inline(always)]
-fn spin_both<R: Real, B: RigidBody<R>>(vehicle: &B, debris: &B, motion: &mut Motion<R>, torque: Vec3<R>, step: f64) {
-    let h = R::splat(step);
-    motion.set_chaser(spin_step(vehicle, &motion.chaser(), torque, h));
-    motion.set_debris(spin_step(debris, &motion.debris(), Vec3::zero(), h));
+fn integrate<R: Real>(
+    around: &Surroundings<R>,
+    vehicle: &Vehicle<R>,
+    motion: &mut Motion<R>,
+    wrench: &Wrench<R>,
+    frame: WrenchFrame,
+    period: &Period<R>,
+    begin: R,
+) {
+    let Period { step, shapes, .. } = *period;
+    match frame {
+        WrenchFrame::Command => {
+            let h = R::splat(step);
+            let force = wrench.force * vehicle.inverse_mass;
+            (motion.position, motion.velocity) = around.translation.advance(motion.position, motion.velocity, force);
+            let chaser = motion.chaser();
+            motion.set_chaser(if shapes.principal_axes {
+                spin_step(&Principal(&vehicle.inertia), &chaser, wrench.torque, h)
+            } else {
+                spin_step(&vehicle.inertia, &chaser, wrench.torque, h)
+            });
+            tumble(around, motion, step, shapes);
+        }
+        WrenchFrame::Body => body_step(around, vehicle, motion, *wrench, begin, step, shapes),
+        WrenchFrame::Lvlh => lvlh_step(around, vehicle, motion, *wrench, begin, step, shapes),
+    }
+}
+
+/// The debris over a step: nothing turns it.
+#[inline(always)]
+fn tumble<R: Real>(around: &Surroundings<R>, motion: &mut Motion<R>, step: f64, shapes: Shapes) {
+    let (debris, h, none) = (motion.debris(), R::splat(step), Vec3::zero());
+    motion.set_debris(if shapes.symmetric_debris {
+        around.tumble.step(&debris)
+    } else if shapes.principal_axes {
+        spin_step(&Principal(&around.debris), &debris, none, h)
+    } else {
+        spin_step(&around.debris, &debris, none, h)
+    });
 }
 
 impl<R: Real> Motion<R> {
@@ -153,21 +191,23 @@ impl<R: Real> Motion<R> {
 }
 
 /// A step under a wrench held in body axes. Not inlined, as the next: open loop checks the plant, it is not flown in bulk.
+/// The wrench comes by value: a reference that leaves the loop would keep it in memory at every tick.
 #[inline(never)]
 fn body_step<R: Real>(
     around: &Surroundings<R>,
     vehicle: &Vehicle<R>,
     motion: &mut Motion<R>,
-    wrench: &Wrench<R>,
-    begin: f64,
+    wrench: Wrench<R>,
+    begin: R,
     step: f64,
+    shapes: Shapes,
 ) {
     let h = R::splat(step);
     let start = motion.chaser();
     let middle = spin_step(&vehicle.inertia, &start, wrench.torque, h * R::splat(0.5));
     let end = spin_step(&vehicle.inertia, &start, wrench.torque, h);
     let push = |spin: &Spin<R>, fraction: f64| {
-        let lvlh = Lvlh::at(&around.orbit, begin + fraction * step);
+        let lvlh = Lvlh::at(&around.orbit, begin + R::splat(fraction * step));
         let force = (lvlh.attitude.conjugate() * spin.attitude).rotate(wrench.force);
         force * vehicle.inverse_mass
     };
@@ -180,7 +220,7 @@ fn body_step<R: Real>(
     let (r, v) = coast.advance(r, v + second * sixth, none);
     (motion.position, motion.velocity) = (r, v + third * sixth);
     motion.set_chaser(end);
-    motion.set_debris(spin_step(&around.debris, &motion.debris(), none, h));
+    tumble(around, motion, step, shapes);
 }
 
 /// A step under a wrench held in H.
@@ -189,9 +229,10 @@ fn lvlh_step<R: Real>(
     around: &Surroundings<R>,
     vehicle: &Vehicle<R>,
     motion: &mut Motion<R>,
-    wrench: &Wrench<R>,
-    begin: f64,
+    wrench: Wrench<R>,
+    begin: R,
     step: f64,
+    shapes: Shapes,
 ) {
     let h = R::splat(step);
     let acceleration = wrench.force * vehicle.inverse_mass;
@@ -199,7 +240,7 @@ fn lvlh_step<R: Real>(
     let turning = TurningTorque { orbit: &around.orbit, inertia: &vehicle.inertia, torque: wrench.torque, begin, step };
     let end = rk4_step(&turning, &motion.chaser(), h);
     motion.set_chaser(Spin { attitude: renormalized(end.attitude), rate: end.rate });
-    motion.set_debris(spin_step(&around.debris, &motion.debris(), Vec3::zero(), h));
+    tumble(around, motion, step, shapes);
 }
 
 /// q' and ω' of a body under a torque held in H.
@@ -207,7 +248,7 @@ struct TurningTorque<'a, R> {
     orbit: &'a Orbit<R>,
     inertia: &'a Inertia<R>,
     torque: Vec3<R>,
-    begin: f64,
+    begin: R,
     step: f64,
 }
 
@@ -216,7 +257,7 @@ impl<R: Real> Dynamics<R> for TurningTorque<'_, R> {
 
     #[inline(always)]
     fn rate(&self, fraction: f64, spin: &Spin<R>) -> Spin<R> {
-        let lvlh = Lvlh::at(self.orbit, self.begin + fraction * self.step);
+        let lvlh = Lvlh::at(self.orbit, self.begin + R::splat(fraction * self.step));
         let torque = (lvlh.attitude.conjugate() * spin.attitude).rotate_inverse(self.torque);
         Spin {
             attitude: spin.attitude.times_pure(spin.rate * R::splat(0.5)),

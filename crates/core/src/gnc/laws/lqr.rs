@@ -24,6 +24,8 @@ pub struct Weights {
     pub r: f64,
 }
 
+crate::fields!(Weights: q_error, q_rate, r);
+
 /// Translation and rotation.
 pub fn channels(
     weights: &PhaseGains<Weights>,

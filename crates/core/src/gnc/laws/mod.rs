@@ -17,7 +17,7 @@ pub mod sosmc;
 pub mod surface;
 pub mod tsmc;
 
-use crate::batch::Batch;
+use crate::batch::{Batch, Fields};
 use crate::batch_struct;
 use crate::case::Motion;
 use crate::gnc::error::TrackingError;
@@ -79,16 +79,18 @@ pub enum Channel<R> {
 impl<R: Real> Batch<R> for Channel<R> {
     type One = Channel<f64>;
 
-    fn gather<'a>(pick: &dyn Fn(usize) -> &'a Channel<f64>) -> Self {
-        match pick(0) {
-            Channel::Linear(_) => Channel::Linear(Batch::gather(&|i| match pick(i) {
-                Channel::Linear(linear) => linear,
-                Channel::Sliding(_) => one_law_a_batch(),
-            })),
-            Channel::Sliding(_) => Channel::Sliding(Batch::gather(&|i| match pick(i) {
-                Channel::Sliding(sliding) => sliding,
-                Channel::Linear(_) => one_law_a_batch(),
-            })),
+    fn same(one: &Channel<f64>) -> Self {
+        match one {
+            Channel::Linear(linear) => Channel::Linear(Batch::same(linear)),
+            Channel::Sliding(sliding) => Channel::Sliding(Batch::same(sliding)),
+        }
+    }
+
+    fn put(&mut self, i: usize, one: &Channel<f64>) {
+        match (self, one) {
+            (Channel::Linear(lanes), Channel::Linear(one)) => lanes.put(i, one),
+            (Channel::Sliding(lanes), Channel::Sliding(one)) => lanes.put(i, one),
+            _ => one_law_a_batch(),
         }
     }
 
@@ -220,6 +222,23 @@ pub struct Gains<G> {
     pub after: PhaseGains<G>,
 }
 
+impl<G: Fields> Fields for Gains<G> {
+    fn field(&mut self, path: &str) -> Option<&mut [f64]> {
+        let (phase, rest) = path.split_once('.')?;
+        let gains = match phase {
+            "before" => &mut self.before,
+            "after" => &mut self.after,
+            _ => return None,
+        };
+        let (channel, gain) = rest.split_once('.')?;
+        match channel {
+            "translation" => gains.translation.field(gain),
+            "rotation" => gains.rotation.field(gain),
+            _ => None,
+        }
+    }
+}
+
 impl<G> Gains<G> {
     fn of(&self, phase: Phase) -> &PhaseGains<G> {
         match phase {
@@ -290,6 +309,18 @@ impl LawRecipe {
             LawRecipe::None { .. } => return None,
         };
         Some(Law { translation, rotation, believed: *believed })
+    }
+
+    /// The gains at a path: `before.rotation.slope`.
+    pub fn field(&mut self, path: &str) -> Option<&mut [f64]> {
+        match self {
+            LawRecipe::Pd(gains) => gains.field(path),
+            LawRecipe::Lqr(weights) => weights.field(path),
+            LawRecipe::Sosmc(gains) => gains.field(path),
+            LawRecipe::Tsmc(gains) => gains.field(path),
+            LawRecipe::Prrl(gains) => gains.field(path),
+            LawRecipe::None { .. } => None,
+        }
     }
 
     /// The open-loop segments; empty for a law.

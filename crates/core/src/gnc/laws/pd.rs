@@ -19,6 +19,8 @@ pub struct Gains {
     pub kd: Vec3<f64>,
 }
 
+crate::fields!(Gains: kp, kd);
+
 /// Translation and rotation.
 pub fn channels(gains: &PhaseGains<Gains>, form: Form) -> (Channel<f64>, Channel<f64>) {
     let channel = |gains: &Gains, damps_own_rate| {

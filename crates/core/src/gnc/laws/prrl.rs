@@ -28,6 +28,8 @@ pub struct Gains {
     pub alpha: f64,
 }
 
+crate::fields!(Gains: slope, gain, layer, alpha);
+
 /// Translation and rotation.
 pub fn channels(gains: &PhaseGains<Gains>, form: Form, setting: &Setting) -> (Channel<f64>, Channel<f64>) {
     let surface_rate = if setting.exact_surface_rate { SurfaceRate::Exact } else { SurfaceRate::Linear };

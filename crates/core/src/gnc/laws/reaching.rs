@@ -78,21 +78,26 @@ impl<R: Real> Reaching<R> {
 impl<R: Real> Batch<R> for Shape<R> {
     type One = Shape<f64>;
 
-    fn gather<'a>(pick: &dyn Fn(usize) -> &'a Shape<f64>) -> Self {
-        match pick(0) {
-            Shape::Proportional { .. } => Shape::Proportional {
-                proportional: Vec3::from_lanes(|i| match pick(i) {
-                    Shape::Proportional { proportional } => *proportional,
-                    Shape::PowerRate { .. } => one_law_a_batch(),
-                }),
-            },
-            Shape::PowerRate { inside, .. } => Shape::PowerRate {
-                exponent: R::from_fn(|i| match pick(i) {
-                    Shape::PowerRate { exponent, inside: own } if own == inside => *exponent,
-                    _ => one_law_a_batch(),
-                }),
-                inside: *inside,
-            },
+    fn same(one: &Shape<f64>) -> Self {
+        match one {
+            Shape::Proportional { proportional } => Shape::Proportional { proportional: Batch::same(proportional) },
+            Shape::PowerRate { exponent, inside } => {
+                Shape::PowerRate { exponent: R::splat(*exponent), inside: *inside }
+            }
+        }
+    }
+
+    fn put(&mut self, i: usize, one: &Shape<f64>) {
+        match (self, one) {
+            (Shape::Proportional { proportional }, Shape::Proportional { proportional: one }) => {
+                proportional.set_lane(i, *one);
+            }
+            (Shape::PowerRate { exponent, inside }, Shape::PowerRate { exponent: one, inside: own })
+                if inside == own =>
+            {
+                exponent.set_lane(i, *one);
+            }
+            _ => one_law_a_batch(),
         }
     }
 

@@ -61,18 +61,20 @@ impl<R: Real> SlidingMode<R> {
 impl<R: Real> Batch<R> for SlidingMode<R> {
     type One = SlidingMode<f64>;
 
-    fn gather<'a>(pick: &dyn Fn(usize) -> &'a SlidingMode<f64>) -> Self {
-        let compensation = pick(0).compensation;
-        for i in 0..R::LANES {
-            if pick(i).compensation != compensation {
-                one_law_a_batch();
-            }
-        }
+    fn same(one: &SlidingMode<f64>) -> Self {
         Self {
-            surface: Batch::gather(&|i| &pick(i).surface),
-            reaching: Batch::gather(&|i| &pick(i).reaching),
-            compensation,
+            surface: Batch::same(&one.surface),
+            reaching: Batch::same(&one.reaching),
+            compensation: one.compensation,
         }
+    }
+
+    fn put(&mut self, i: usize, one: &SlidingMode<f64>) {
+        if one.compensation != self.compensation {
+            one_law_a_batch();
+        }
+        self.surface.put(i, &one.surface);
+        self.reaching.put(i, &one.reaching);
     }
 
     fn scatter(&self, i: usize) -> SlidingMode<f64> {

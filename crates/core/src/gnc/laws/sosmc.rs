@@ -26,6 +26,8 @@ pub struct Gains {
     pub layer: Vec3<f64>,
 }
 
+crate::fields!(Gains: slope, gain, proportional, layer);
+
 /// Translation and rotation.
 pub fn channels(gains: &PhaseGains<Gains>, form: Form) -> (Channel<f64>, Channel<f64>) {
     let channel = |gains: &Gains, gyroscopic| {

@@ -72,17 +72,22 @@ impl<R: Real> Surface<R> {
 impl<R: Real> Batch<R> for Surface<R> {
     type One = Surface<f64>;
 
-    fn gather<'a>(pick: &dyn Fn(usize) -> &'a Surface<f64>) -> Self {
-        let slope = Vec3::from_lanes(|i| pick(i).slope());
-        match pick(0) {
+    fn same(one: &Surface<f64>) -> Self {
+        let slope = Batch::same(&one.slope());
+        match one {
             Surface::Linear { .. } => Surface::Linear { slope },
-            Surface::Terminal { .. } => Surface::Terminal {
-                slope,
-                exponent: R::from_fn(|i| match pick(i) {
-                    Surface::Terminal { exponent, .. } => *exponent,
-                    Surface::Linear { .. } => one_law_a_batch(),
-                }),
-            },
+            Surface::Terminal { exponent, .. } => Surface::Terminal { slope, exponent: R::splat(*exponent) },
+        }
+    }
+
+    fn put(&mut self, i: usize, one: &Surface<f64>) {
+        match (self, one) {
+            (Surface::Linear { slope }, Surface::Linear { slope: one }) => slope.set_lane(i, *one),
+            (Surface::Terminal { slope, exponent }, Surface::Terminal { slope: one, exponent: own }) => {
+                slope.set_lane(i, *one);
+                exponent.set_lane(i, *own);
+            }
+            _ => one_law_a_batch(),
         }
     }
 

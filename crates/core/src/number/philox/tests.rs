@@ -27,7 +27,7 @@ impl Job for Draw {
         let words = stream.words(self.step, self.block);
         let uniforms = stream.uniforms(self.step, self.block);
         let normals = stream.normals(self.step, self.block);
-        let pairs = stream.normal_pairs::<6>(self.step);
+        let pairs = stream.normal_pairs::<6>(R::splat(f64::from(self.step)));
         let pairs: [R; 12] = std::array::from_fn(|k| pairs[k / 2][k % 2]);
         (0..R::LANES)
             .map(|i| Drawn {

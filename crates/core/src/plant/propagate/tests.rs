@@ -1,15 +1,19 @@
 use super::*;
-use crate::number::Mat3;
+use crate::number::{Mat3, Quat};
 use crate::tests::{Dice, angle_between, assert_near, brief, fitted_order};
 
 const N: f64 = 1.0618120e-3;
 
 fn surroundings(step: f64, dice: &mut Dice) -> Surroundings<f64> {
+    let lvlh_attitude = dice.attitude();
+    let debris = Inertia::new(dice.inertia(0.05));
+    let at_rest = Spin { attitude: Quat::identity(), rate: Vec3::zero() };
     Surroundings {
-        orbit: Orbit { mean_motion: N, lvlh_attitude: dice.attitude() },
+        orbit: Orbit { mean_motion: N, lvlh_attitude },
         translation: HeldStep::new(N, step),
         half_step: HeldStep::new(N, 0.5 * step),
-        debris: Inertia::new(dice.inertia(0.05)),
+        debris,
+        tumble: FreeTop::new(&debris, &at_rest, step), // not used: this debris is no symmetric top
     }
 }
 
@@ -35,7 +39,7 @@ fn fly(
     let mut motion = *start;
     for k in 0..periods {
         let (time, step) = (f64::from(k) * period, period / f64::from(steps));
-        let period = Period { time, step, steps, principal_axes: false };
+        let period = Period { time, step, steps, shapes: Shapes::default() };
         propagate(around, vehicle, &mut motion, wrench, frame, &period);
     }
     motion

@@ -1,0 +1,203 @@
+"""What is measured: rates in turn, start-up, growth with the number of trajectories."""
+
+from __future__ import annotations
+
+import json
+import statistics
+import subprocess
+import sys
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from peers.process import Peer, PeerFailed
+from peers.ways import WAYS, Way
+
+from detumble.compiled import core
+from detumble.workload import FLOP_PER_STEP, random_starts
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+PEAK_ITERATIONS = 4_000_000
+DETUMBLE = Path(sys.executable).with_name("detumble")
+
+
+@dataclass
+class Rate:
+    """One way's figures.
+
+    Attributes:
+        steps_per_s: of each round.
+        peak_bytes: the most memory that its process held.
+        ratio: how many times as fast detumble is on as many threads, median over the rounds.
+        fma_share: of the multiply-add peak of one core, W's flop counted; None for ways that are not all of W.
+    """
+
+    steps_per_s: list[float] = field(default_factory=list)
+    peak_bytes: int | None = None
+    ratio: float | None = None
+    fma_share: float | None = None
+
+
+def rates(peers: dict[tuple[str, int], Peer], periods: int, rounds: int, failed: dict[str, str]) -> dict[str, Rate]:
+    """Measure how many steps a second each way flies, all in turn, so that a change of the machine's speed meets all.
+
+    Args:
+        peers: running, by name and threads.
+        periods: of a flight.
+        rounds: how many times.
+        failed: where ways that end before they answer are noted, by label.
+    """
+    ways = [way for way in WAYS if (way.peer, way.threads) in peers]
+    starts = random_starts(max(way.flights for way in ways))
+    backend = core().backends()[-1]
+    results = {way.label: Rate() for way in ways}
+    peaks: list[float] = []
+    for turn in range(rounds + 1):  # the first is for compilers and caches
+        begin = time.perf_counter()
+        flop = core().fma_peak(backend, PEAK_ITERATIONS)
+        peaks.append(flop / (time.perf_counter() - begin))
+        for way in ways:
+            if way.label in failed:
+                continue
+            try:
+                answer = peers[way.peer, way.threads].fly(way.call, starts[: way.flights])
+            except PeerFailed as failure:
+                failed[way.label] = str(failure)
+                del results[way.label]
+                continue
+            results[way.label].peak_bytes = answer.peak_bytes
+            if turn:
+                results[way.label].steps_per_s.append(way.flights * periods / answer.seconds)
+    for way in ways:
+        if way.label not in results:
+            continue
+        rate = results[way.label]
+        ours = next(w.label for w in WAYS if w.peer == "detumble" and w.threads == way.threads)
+        pairs = zip(results[ours].steps_per_s, rate.steps_per_s, strict=True)
+        rate.ratio = statistics.median(a / b for a, b in pairs)
+        if way.whole and way.threads == 1:
+            pairs = zip(rate.steps_per_s, peaks[1:], strict=True)
+            rate.fma_share = statistics.median(FLOP_PER_STEP * a / b for a, b in pairs)
+    return results
+
+
+@dataclass(frozen=True)
+class StartUp:
+    """From the start of a process to the result of its first trajectory.
+
+    Attributes:
+        seconds: median of the repetitions.
+        compiling: how much longer the first call took than a second one like it [s].
+    """
+
+    seconds: float
+    compiling: float
+
+
+def start_up(make: Callable[[], Peer], repetitions: int) -> StartUp:
+    """Start a peer so many times and fly one trajectory each time.
+
+    Raises:
+        PeerFailed: it cannot fly.
+    """
+    whole, compiling = [], []
+    start = random_starts(1)
+    for _ in range(repetitions):
+        peer = make()
+        try:
+            first = peer.fly("w", start)
+            whole.append(time.perf_counter() - peer.begin)
+            compiling.append(first.seconds - peer.fly("w", start).seconds)
+        finally:
+            peer.close()
+    return StartUp(statistics.median(whole), statistics.median(compiling))
+
+
+@dataclass(frozen=True)
+class Point:
+    """A campaign of so many trajectories; `seconds` None was not run: it would have taken about `expected`."""
+
+    runs: int
+    expected: float
+    seconds: float | None = None
+    peak_bytes: int | None = None
+
+
+def growth(
+    fly: Callable[[int], tuple[float, int | None]], rate: float, periods: int, sizes: list[int], budget: float
+) -> list[Point]:
+    """Fly more and more trajectories, as long as a point is expected within the budget.
+
+    Args:
+        fly: flies so many, gives seconds and the most memory held.
+        rate: steps per second, as measured; later points are expected from the last one flown.
+        periods: of a flight.
+        sizes: numbers of trajectories, ascending.
+        budget: for one point [s].
+
+    Raises:
+        PeerFailed: it ended instead.
+    """
+    points = []
+    for runs in sizes:
+        expected = runs * periods / rate
+        if expected > budget:
+            points.append(Point(runs, expected))
+            continue
+        seconds, peak = fly(runs)
+        points.append(Point(runs, expected, seconds, peak))
+        rate = runs * periods / seconds
+    return points
+
+
+def way_to_grow(peer: str) -> Way:
+    """Give the peer's way for many trajectories: the one with the most threads, as a batch if it can."""
+    return max((way for way in WAYS if way.peer == peer), key=lambda way: (way.threads, way.flights))
+
+
+def fly_starts(runs: int, peer: Peer, call: str) -> tuple[float, int | None]:
+    """Have a peer fly so many trajectories from arrays to arrays.
+
+    Returns:
+        Seconds of the call, and the most memory that its process has held.
+
+    Raises:
+        PeerFailed: it ended instead.
+    """
+    answer = peer.fly(call, random_starts(runs))
+    return answer.seconds, answer.peak_bytes
+
+
+# A process of its own, small and started anew, so that the peak it is told of is the command's: on Linux a child begins
+# with the peak of the process that started it.
+LAUNCHER = """
+import json, resource, subprocess, sys, time
+begin = time.perf_counter()
+done = subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+seconds = time.perf_counter() - begin
+peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+print(json.dumps({"seconds": seconds, "peak_bytes": peak, "code": done.returncode, "said": done.stderr.strip()}))
+"""
+
+
+def campaign(runs: int, folder: Path) -> tuple[float, int | None]:
+    """Have the command fly a campaign of W and write its results.
+
+    Returns:
+        Seconds from the start of the process to its end, and the most memory that it held.
+
+    Raises:
+        PeerFailed: the command failed.
+    """
+    out = folder / f"campaign-{runs}"
+    command = ["campaign", "workload_w", "--law", "prrl", "--runs", str(runs), "--seed", "1", "--out", str(out), "--json"]
+    launched = subprocess.run(
+        [sys.executable, "-I", "-S", "-c", LAUNCHER, str(DETUMBLE), *command], capture_output=True, text=True, check=True
+    )
+    told = json.loads(launched.stdout)
+    if told["code"]:
+        raise PeerFailed(told["said"] or f"exit code {told['code']}")
+    return told["seconds"], told["peak_bytes"]

@@ -1,0 +1,70 @@
+//! What a fleet flies: one recipe, and the numbers in which its flights differ.
+
+use detumble_core::case::FlightRecipe;
+use detumble_core::scene::{Common, Laws, Numbers, Sortie};
+
+/// Numbers of each flight that stand in place of the recipe's, row by row.
+#[derive(Clone, Debug)]
+pub struct Column<'a> {
+    /// Where they belong: `chaser.mass`, `start.position`, `law.before.rotation.gain`.
+    pub path: String,
+    /// Flights × numbers at the path.
+    pub values: &'a [f64],
+}
+
+/// The flights of a fleet.
+pub struct Fleet<'a> {
+    recipe: FlightRecipe,
+    columns: Vec<Column<'a>>,
+    flights: usize,
+    common: Common,
+    /// The law that all flights share, unless gains, beliefs or orbit differ.
+    laws: Option<Laws>,
+}
+
+impl<'a> Fleet<'a> {
+    /// Flight i is `recipe` with row i of every column. Fails where a path leads nowhere or a column has another length.
+    pub fn new(recipe: FlightRecipe, columns: Vec<Column<'a>>, flights: usize) -> Result<Self, String> {
+        let mut probe = recipe.clone();
+        let common = Common::new(&recipe.case, &recipe.plan, columns.iter().map(|column| column.path.as_str()));
+        let mut laws_differ = false;
+        for Column { path, values } in &columns {
+            let width = probe.field(path).ok_or_else(|| format!("{path}: no number of a flight"))?.len();
+            if values.len() != flights * width {
+                return Err(format!("{path}: {} numbers; needed: {flights} x {width}", values.len()));
+            }
+            laws_differ |= ["law.", "belief.", "orbit."].iter().any(|room| path.starts_with(room));
+        }
+        let laws = (!laws_differ).then(|| Laws::new(&recipe.law, &recipe.case, &recipe.plan));
+        Ok(Self { recipe, columns, flights, common, laws })
+    }
+
+    /// Number of flights.
+    pub fn flights(&self) -> usize {
+        self.flights
+    }
+
+    /// Clocks and switches, and all numbers that do not differ.
+    pub fn recipe(&self) -> &FlightRecipe {
+        &self.recipe
+    }
+
+    /// What is the same for all flights.
+    pub fn common(&self) -> Common {
+        self.common
+    }
+
+    /// Flight i, ready to be flown.
+    pub fn sortie(&self, i: usize) -> Sortie {
+        let mut recipe = self.recipe.clone();
+        for Column { path, values } in &self.columns {
+            let numbers = recipe.field(path).expect("checked when the fleet was made");
+            let width = numbers.len();
+            numbers.copy_from_slice(&values[i * width..(i + 1) * width]);
+        }
+        match &self.laws {
+            Some(laws) => Sortie { numbers: Numbers::new(&recipe.case, &recipe.plan), laws: laws.clone() },
+            None => Sortie::new(&recipe),
+        }
+    }
+}

@@ -1,0 +1,157 @@
+"""Statistics of a campaign, from its shards as they come: counts only, so that their order leaves no trace to the bit.
+
+What is kept takes some ten megabytes however many runs there are. No interval assumes anything of the distribution.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import polars as pl
+
+from detumble.campaigns.convergence import Convergence, Prefixes
+from detumble.campaigns.intervals import Proportion
+from detumble.campaigns.rows import CAUSES, SCALARS
+from detumble.campaigns.sketch import Histogram, LogHistogram, TickHistogram
+from detumble.campaigns.summaries import Ecdf, Summary
+
+if TYPE_CHECKING:
+    from detumble.campaigns.intervals import Array
+
+TIMES = ("capture_time_s", "settling_time_s", "settled_time_s")
+"""Counted exactly. `settled_time_s` is the sum of the first two: from the start of the flight to the stack at rest."""
+EXTENTS = tuple(metric.key for metric in SCALARS if metric.unit != "s")
+"""All that is not a time, counted to a relative accuracy of 1e-4."""
+SATURATED = ("force_saturated_share", "torque_saturated_share")
+
+
+class Statistics:
+    """What a campaign has shown so far.
+
+    Args:
+        control_period: s: times are whole multiples of it.
+        confidence: of all intervals.
+
+    Attributes:
+        confidence: as given.
+        runs: counted so far.
+        saturated_failures: failed runs whose force or torque command was over its limit for more than half of the time.
+    """
+
+    def __init__(self, control_period: float, confidence: float = 0.95) -> None:
+        self.confidence = confidence
+        self.runs = 0
+        self.saturated_failures = 0
+        self._successes = 0
+        self._causes: Counter[str] = Counter()
+        self._histograms: dict[str, Histogram] = {name: TickHistogram(control_period) for name in TIMES}
+        self._histograms |= {name: LogHistogram() for name in EXTENTS}
+        self._prefixes = Prefixes(confidence)
+
+    def add(self, shard: pl.DataFrame) -> None:
+        """Count the runs of one shard.
+
+        Args:
+            shard: at least one run, in order of index, columns as in `rows`; what does not exist is null or NaN.
+
+        Raises:
+            ValueError: the shard was counted before, or is not what a campaign writes: its indices have gaps, its
+                failures and causes disagree, a time is not a whole number of control periods.
+        """
+        index, success = shard["index"], shard["success"].to_numpy()
+        first, runs, successes = int(index[0]), shard.height, int(np.count_nonzero(success))
+        causes = Counter(shard["failure"].drop_nulls().to_list())
+        if int(index[-1]) - first + 1 != runs:
+            raise ValueError(f"the shard from run {first} on has gaps")
+        if causes.total() != runs - successes:
+            raise ValueError(
+                f"of the shard from run {first} on {runs - successes} runs failed, {causes.total()} have a cause"
+            )
+        self._prefixes.add(first, success)
+        rows = shard.with_columns(settled_time_s=pl.col("capture_time_s") + pl.col("settling_time_s"))
+        for name, histogram in self._histograms.items():
+            histogram.add(_existing(rows[name]))
+        saturated = np.any([shard[name].fill_null(0.0).to_numpy() > 0.5 for name in SATURATED], axis=0)
+        self.saturated_failures += int(np.count_nonzero(saturated & ~success))
+        self._causes += causes
+        self._successes += successes
+        self.runs += runs
+
+    def merge(self, other: Statistics) -> None:
+        """Count the runs of other shards of the same campaign, which were counted elsewhere.
+
+        Args:
+            other: of the same control period and confidence.
+
+        Raises:
+            ValueError: a shard is in both, or the two are not of one kind.
+        """
+        if other.confidence != self.confidence:
+            raise ValueError("statistics of different confidence")
+        self._prefixes.merge(other._prefixes)
+        for name, histogram in self._histograms.items():
+            histogram.merge(other._histograms[name])
+        self.saturated_failures += other.saturated_failures
+        self._causes += other._causes
+        self._successes += other._successes
+        self.runs += other.runs
+
+    @property
+    def success(self) -> Proportion:
+        """Runs that captured, and settled where the bodies merge."""
+        return Proportion.of(self._successes, self.runs, self.confidence)
+
+    @property
+    def captured(self) -> Proportion:
+        """Runs that captured, settled or not."""
+        return Proportion.of(self._histograms["capture_time_s"].count, self.runs, self.confidence)
+
+    @property
+    def failures(self) -> dict[str, Proportion]:
+        """Causes of failure with their share of all runs: the most frequent first, equals in the order of the register."""
+        order = sorted(self._causes, key=lambda cause: (-self._causes[cause], CAUSES.index(cause)))
+        return {cause: Proportion.of(self._causes[cause], self.runs, self.confidence) for cause in order}
+
+    def summary(self, name: str) -> Summary:
+        """Summarise a quantity over the runs in which it exists.
+
+        Args:
+            name: one of `TIMES` or `EXTENTS`.
+        """
+        return Summary.of(self._histograms[name], self.confidence)
+
+    def ecdf(self, name: str) -> Ecdf:
+        """Give the distribution of a quantity over all runs: a run in which it does not exist never gets there.
+
+        Args:
+            name: one of `TIMES` or `EXTENTS`.
+        """
+        return Ecdf.of(self._histograms[name], self.runs, self.confidence)
+
+    def convergence(self) -> Convergence:
+        """Follow the probability of success along the runs in order of index: see `Prefixes.curve`."""
+        return self._prefixes.curve()
+
+    def first_narrow_enough(self, half_width: float) -> int | None:
+        """Find how many runs were enough for an interval of that half width: see `Prefixes.first_narrow_enough`."""
+        return self._prefixes.first_narrow_enough(half_width)
+
+    def to_json(self) -> dict[str, Any]:
+        """Give everything but the curves as JSON takes it: None for what does not exist."""
+        success, captured = self.success, self.captured
+        return {
+            "runs": self.runs,
+            "captured": captured.count,
+            **captured.to_json("captured_share"),
+            **success.to_json("success"),
+            **{name: self.summary(name).to_json() for name in (*TIMES, *EXTENTS)},
+            "failures": {cause: failure.count for cause, failure in self.failures.items()},
+            "saturated_failures": self.saturated_failures,
+        }
+
+
+def _existing(column: pl.Series) -> Array:
+    """Take the numbers from a column that has null or NaN where there is none."""
+    return column.drop_nulls().drop_nans().to_numpy()

@@ -1,0 +1,297 @@
+"""The folder of a campaign: what it flies, and its runs in shards, so that it can be stopped at any time and continued.
+
+    campaign.json                     what is flown, and how many runs were asked for
+    shards/shard-000000.parquet ...   shard k holds runs [k n, (k+1) n), n as the recipe says
+    .lock                             held by the process that flies
+
+Every file appears whole or not at all, also when power fails. Run i is the same run however many are asked for; so a
+campaign that is continued with more runs grows, and one continued with fewer keeps all it has.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import polars as pl
+
+from detumble import __version__
+from detumble.campaigns.manifest import FORMAT, MANIFEST, Manifest, differences, read_manifest
+from detumble.campaigns.rows import INDEX
+from detumble.campaigns.shard import Damage, decode, encode, frame_of
+from detumble.errors import RequestError
+from detumble.writing import output_folder, reason, whole_file
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+    from types import TracebackType
+    from typing import Self
+
+    from numpy.typing import NDArray
+
+    from detumble.campaigns.recipe import Recipe
+
+
+@dataclass(frozen=True)
+class Checked:
+    """Which shards of a campaign are there.
+
+    Attributes:
+        done: are whole and sound.
+        missing: are not there, or end where a shorter campaign ended.
+        damaged: are not as they were written; number and reason.
+    """
+
+    done: list[int] = field(default_factory=list)
+    missing: list[int] = field(default_factory=list)
+    damaged: list[tuple[int, str]] = field(default_factory=list)
+
+
+class Store:
+    """The folder of a campaign. One that was created or continued is locked until it is closed; use it in `with`.
+
+    Attributes:
+        folder: the folder.
+        manifest: what it says of itself.
+    """
+
+    def __init__(self, folder: Path, manifest: Manifest, lock: _Lock | None = None) -> None:
+        self.folder = folder
+        self.manifest = manifest
+        self._lock = lock
+
+    @classmethod
+    def create(
+        cls,
+        folder: str | os.PathLike[str],
+        recipe: Recipe,
+        runs: int,
+        *,
+        about: Mapping[str, Any],
+        resume: bool = False,
+    ) -> Store:
+        """Begin a campaign, or continue it, and lock its folder.
+
+        Args:
+            folder: created if it is not there; other files in it do not matter.
+            recipe: what is flown.
+            runs: how many.
+            about: back end and machine, as JSON takes them.
+            resume: continue the campaign if the folder holds it already; what killed writers left is taken away.
+
+        Raises:
+            RequestError: the folder takes no files, holds another campaign, holds this one and `resume` is not set, or
+                another process is flying it.
+        """
+        folder = Path(folder)
+        with output_folder(folder):
+            lock = _Lock(folder)
+            try:
+                manifest = _begun(folder, recipe, runs, json.loads(json.dumps(about)), resume)
+            except BaseException:
+                lock.close()
+                raise
+        return cls(folder, manifest, lock)
+
+    @classmethod
+    def open(cls, folder: str | os.PathLike[str]) -> Store:
+        """Open a campaign to read it.
+
+        Raises:
+            RequestError: there is none, or its manifest cannot be used.
+        """
+        return cls(Path(folder), read_manifest(Path(folder)))
+
+    @property
+    def recipe(self) -> Recipe:
+        """What is flown."""
+        return self.manifest.recipe
+
+    @property
+    def runs(self) -> int:
+        """The most runs that were ever asked of the campaign."""
+        return self.manifest.runs
+
+    def close(self) -> None:
+        """Let other processes fly the campaign."""
+        if self._lock:
+            self._lock.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def path(self, number: int) -> Path:
+        """Say where a shard stands."""
+        return self.folder / "shards" / f"shard-{number:06}.parquet"
+
+    def write(self, number: int, columns: Mapping[str, NDArray[Any] | Sequence[str | None]]) -> None:
+        """Write a shard, whole or not at all; an older one is replaced.
+
+        Args:
+            number: of the shard.
+            columns: as `frame_of` takes them, the first runs of the shard in order; NaN becomes null.
+
+        Raises:
+            RequestError: the disk does not take it.
+            ValueError: these are not the runs of this shard.
+        """
+        frame = frame_of(columns)
+        first = number * self.recipe.shard
+        expected = np.arange(first, first + frame.height, dtype=np.uint64)
+        if not 0 < frame.height <= self.recipe.shard or not np.array_equal(frame[INDEX.name], expected):
+            raise ValueError(f"shard {number}: its rows must be the runs from {first} on, {self.recipe.shard} at most")
+        try:
+            _write(self.path(number), encode(frame, self.manifest.identity, number, first))
+        except RequestError as error:
+            raise RequestError(f"{error}; the shards that are complete are kept, and --resume continues") from None
+
+    def shard(self, number: int, columns: list[str] | None = None) -> pl.DataFrame:
+        """Read a shard and check it to the bit.
+
+        Args:
+            number: of the shard.
+            columns: names; None for all.
+
+        Returns:
+            All rows that it holds; they may be more than a campaign of fewer runs needs.
+
+        Raises:
+            RequestError: it is missing or damaged.
+        """
+        try:
+            frame = self._decoded(number)
+        except FileNotFoundError:
+            raise RequestError(f"{self.path(number)}: missing; --resume flies it again") from None
+        except Damage as why:
+            raise RequestError(f"{self.path(number)}: damaged: {why}; --resume flies it again") from None
+        return frame if columns is None else frame.select(columns)
+
+    def check(self, runs: int, progress: Callable[[int, pl.DataFrame | None], None] | None = None) -> Checked:
+        """Check to the bit which shards are there, one at a time.
+
+        Args:
+            runs: of the campaign that is asked for.
+            progress: called after each shard with its number, and with its rows among the first `runs` runs if it is done.
+        """
+        checked = Checked()
+        for number in range(self.recipe.shards(runs)):
+            needed = len(self.recipe.runs_of(number, runs))
+            frame = None
+            try:
+                found = self._decoded(number)
+            except FileNotFoundError:
+                checked.missing.append(number)
+            except Damage as why:
+                checked.damaged.append((number, str(why)))
+            else:
+                frame = found.head(needed) if found.height >= needed else None
+                (checked.missing if frame is None else checked.done).append(number)
+            if progress:
+                progress(number, frame)
+        return checked
+
+    def _decoded(self, number: int) -> pl.DataFrame:
+        try:
+            raw = self.path(number).read_bytes()
+        except FileNotFoundError:
+            raise
+        except OSError as error:
+            raise Damage(f"cannot be read: {reason(error)}") from None
+        return decode(raw, self.manifest.identity, number, number * self.recipe.shard)
+
+
+def _begun(folder: Path, recipe: Recipe, runs: int, about: dict[str, Any], resume: bool) -> Manifest:
+    """Write the manifest of a campaign that begins or continues."""
+    shards = folder / "shards"
+    before = None
+    if (folder / MANIFEST).exists():
+        before = read_manifest(folder)
+        if before.recipe.version != __version__:
+            raise RequestError(
+                f"{folder}: flown by detumble {before.recipe.version}, this is {__version__}: runs might differ, "
+                "so it can be read, but not continued"
+            )
+        if before.identity != recipe.identity:
+            raise RequestError(f"{folder}: holds another campaign ({differences(before.recipe, recipe)})")
+        if not resume:
+            raise RequestError(f"{folder}: holds this campaign already, of {before.runs} runs; --resume continues it")
+    elif shards.is_dir() and any(shards.iterdir()):
+        raise RequestError(f"{shards}: not empty, but there is no {MANIFEST} that says what it holds")
+    try:
+        shards.mkdir(exist_ok=True)
+        # we hold the lock: whoever wrote these is gone
+        for leftover in (*folder.glob(".campaign.*.json"), *shards.glob(".shard-*.parquet")):
+            leftover.unlink()
+    except OSError as error:
+        raise RequestError(f"{shards}: cannot be used: {reason(error)}") from None
+    if before is None:
+        created = datetime.now(UTC).isoformat(timespec="seconds")
+        manifest = Manifest(FORMAT, recipe.identity, runs, created, [about], recipe)
+    else:
+        new = [] if about in before.about else [about]
+        manifest = replace(before, runs=max(runs, before.runs), about=before.about + new)
+    if manifest != before:
+        _write(folder / MANIFEST, manifest.text().encode())
+    return manifest
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Write a file, whole or not at all, so that it outlasts a loss of power."""
+    with whole_file(path) as temporary, temporary.open("wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    with suppress(OSError):  # not every system can do this with a folder
+        folder = os.open(path.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
+
+
+class _Lock:
+    """Held by the one process that flies a campaign; the system frees it however that process ends."""
+
+    def __init__(self, folder: Path) -> None:
+        path = folder / ".lock"
+        try:
+            self._file = path.open("a+b", buffering=0)
+        except OSError as error:
+            raise RequestError(f"{path}: cannot be written: {reason(error)}") from None
+        if not _locked(self._file.fileno()):
+            self._file.seek(0)
+            owner = self._file.read().decode(errors="replace")
+            self._file.close()
+            raise RequestError(f"{folder}: another process ({owner}) is flying this campaign")
+        with suppress(OSError):
+            self._file.truncate(0)
+            self._file.write(str(os.getpid()).encode())
+
+    def close(self) -> None:
+        self._file.close()
+
+
+def _locked(descriptor: int) -> bool:
+    """Try to lock; where system or file system know no locks, nothing is locked, and nobody is kept out."""
+    try:
+        import fcntl
+    except ImportError:
+        return True
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        pass
+    return True
