@@ -3,6 +3,7 @@
 //! A flight's result depends on its recipe, the seed and its own index, never on the lane, the block or the thread that
 //! flies it.
 
+pub mod dispersion;
 mod many;
 mod one;
 

@@ -1,5 +1,7 @@
 //! Python bindings: dictionaries in, numpy arrays and dictionaries out. Thin: no physics here.
 
+mod draw;
+
 use detumble_campaign::{Fleet, FlightRecord, fly_many, fly_one, fly_workload};
 use detumble_core::case::{Case, FlightRecipe, Motion, Plan};
 use detumble_core::gnc::laws::{LawRecipe, lqr};
@@ -22,6 +24,7 @@ use std::time::Duration;
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fly, module)?)?;
     module.add_function(wrap_pyfunction!(fly_starts, module)?)?;
+    module.add_function(wrap_pyfunction!(draw::draw, module)?)?;
     module.add_function(wrap_pyfunction!(backends, module)?)?;
     module.add_function(wrap_pyfunction!(fma_flops, module)?)?;
     module.add_function(wrap_pyfunction!(lqr_translation, module)?)?;
