@@ -21,6 +21,9 @@ def fly_starts(
 ) -> dict[str, Array]:
     """Fly one case from many starts (n, 20); gives `final_state` (n, 20) and the summary, one row a start."""
 
+def draw(spec: dict[str, Any], seed: int, first: int, count: int) -> dict[str, Array]:
+    """Draw the dispersed fields of runs `first` to `first + count - 1`; by path (count,), or (count, width)."""
+
 def backends() -> list[str]:
     """Name the back ends that this machine can run, the narrowest first."""
 
