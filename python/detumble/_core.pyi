@@ -33,6 +33,9 @@ def fly_many(
     flights took of the `lane_ticks` that the lanes went through.
     """
 
+def draw(spec: dict[str, Any], seed: int, first: int, count: int) -> dict[str, Array]:
+    """Draw the dispersed fields of runs `first` to `first + count - 1`; by path (count,), or (count, width)."""
+
 def backends() -> list[str]:
     """Name the back ends that this machine can run, the narrowest first."""
 

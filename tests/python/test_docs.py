@@ -256,7 +256,9 @@ def fields_table() -> str:
 
 
 def _section(schema: dict[str, Any], section: dict[str, Any], path: str, parts: list[str]) -> None:
-    rows, inner = [], []
+    rows: list[tuple[str, ...]] = []
+    inner: list[tuple[str, dict[str, Any]]] = []
+    kind = ""
     for name, raw in section["properties"].items():
         field = _resolved(schema, raw)
         items = _resolved(schema, field.get("items", {}))
@@ -265,15 +267,20 @@ def _section(schema: dict[str, Any], section: dict[str, Any], path: str, parts: 
             rows.append(
                 (name, "tables `translation`, `rotation`", "none", "gains for the stack; same fields as before")
             )
+        elif "const" in field and name in section["required"]:
+            kind = f"`{name} = {json.dumps(field['const'])}`"
         elif "properties" in field:
             inner.append((dotted, field))
         elif "properties" in items:
             inner.append((f"[{dotted}]", items))
+        elif "discriminator" in items:
+            inner += [(f"[{dotted}]", _resolved(schema, choice)) for choice in items["oneOf"]]
         else:
             default = "required" if name in section.get("required", ()) else _default(field)
             rows.append((name, _kind(field), default, field.get("description", "")))
     if rows:
         title = f"### `[{path}]`" if path else "### at the top of the file"
+        title += f", {kind}" if kind else ""
         about = [section["description"].split("\n")[0]] if path else []
         head = ("field", "takes", "default", "meaning")
         parts.append("\n\n".join([title, *about, _markdown(head, [(f"`{row[0]}`", *row[1:]) for row in rows])]))
@@ -286,10 +293,14 @@ def _resolved(schema: dict[str, Any], node: dict[str, Any]) -> dict[str, Any]:
 
 
 def _kind(field: dict[str, Any]) -> str:
+    if "const" in field:
+        return f'`"{field["const"]}"`'
     if "enum" in field:
         return " or ".join(f'`"{choice}"`' for choice in field["enum"])
     if field.get("type") in ("string", "boolean"):
         return {"string": "text", "boolean": "`true` or `false`"}[field["type"]]
+    if field.get("type") == "array" and field["items"]["type"] in ("string", "array"):
+        return {"string": "list of paths", "array": "list of rows"}[field["items"]["type"]]
     shape, numbers = _shape(field)
     unit = field.get("unit", "1")
     limits = _limits(numbers)

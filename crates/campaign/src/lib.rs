@@ -3,6 +3,7 @@
 //! A flight's result depends on its recipe, the seed and its own index, never on the lane, the thread or the fleet that
 //! flies it.
 
+pub mod dispersion;
 mod fleet;
 mod many;
 mod one;

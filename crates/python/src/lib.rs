@@ -1,5 +1,6 @@
 //! Python bindings: dictionaries in, numpy arrays and dictionaries out. Thin: no physics here.
 
+mod draw;
 mod many;
 
 use detumble_campaign::{FlightRecord, fly_one};
@@ -22,6 +23,7 @@ use std::time::Duration;
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fly, module)?)?;
     module.add_function(wrap_pyfunction!(many::fly_many, module)?)?;
+    module.add_function(wrap_pyfunction!(draw::draw, module)?)?;
     module.add_function(wrap_pyfunction!(backends, module)?)?;
     module.add_function(wrap_pyfunction!(fma_flops, module)?)?;
     module.add_function(wrap_pyfunction!(lqr_translation, module)?)?;

@@ -73,7 +73,11 @@ RESULTS = (
 )
 """What each run ends with; the drawn values stand between `index` and these, under their fields' paths."""
 
-COMPONENTS = {"vector": ("x", "y", "z"), "quaternion": ("w", "x", "y", "z"), "inertia": ("xx", "yy", "zz", "xy", "xz", "yz")}
+COMPONENTS = {
+    "vector": ("x", "y", "z"),
+    "quaternion": ("w", "x", "y", "z"),
+    "inertia": ("xx", "yy", "zz", "xy", "xz", "yz"),
+}
 
 
 def drawn_names(path: str, shape: str, width: int) -> tuple[str, ...]:

@@ -11,6 +11,8 @@ from detumble.scenario.physics import tensor, unit
 from detumble.scenario.wording import did_you_mean
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from detumble.scenario.laws import OpenLoop
     from detumble.scenario.model import Scenario
     from detumble.scenario.quantity import Axes
@@ -99,16 +101,33 @@ def _goal(scenario: Scenario) -> Tree:
     return {"position": list(position), "after_capture": list(scenario.goal.position_after_capture or position)}
 
 
+def design(name: str, at: Callable[[str], Any]) -> Any:
+    """Give what the laws believe of the bodies unless they are told otherwise: their design.
+
+    Args:
+        name: of a field of `belief`: a mass, or an inertia.
+        at: gives the scenario's values by path.
+
+    Returns:
+        kg, or kg m² as a 3x3 list.
+    """
+    alone = name.startswith("chaser")
+    if name.endswith("mass"):
+        return at("chaser.mass") if alone else at("chaser.mass") + at("debris.mass")
+    of_chaser = tensor(at("chaser.inertia"))
+    if alone:
+        return of_chaser
+    of_debris = tensor(at("debris.inertia"))
+    return [[of_chaser[i][j] + of_debris[i][j] for j in range(3)] for i in range(3)]
+
+
+BELIEFS = ("chaser_mass", "chaser_inertia", "stack_mass", "stack_inertia")
+
+
 def _belief(scenario: Scenario) -> Tree:
-    chaser, debris, belief = scenario.chaser, scenario.debris, scenario.belief
-    of_chaser, of_debris = tensor(chaser.inertia), tensor(debris.inertia)
-    of_both = [[of_chaser[i][j] + of_debris[i][j] for j in range(3)] for i in range(3)]
-    return {
-        "chaser_mass": chaser.mass if belief.chaser_mass is None else belief.chaser_mass,
-        "chaser_inertia": of_chaser if belief.chaser_inertia is None else tensor(belief.chaser_inertia),
-        "stack_mass": chaser.mass + debris.mass if belief.stack_mass is None else belief.stack_mass,
-        "stack_inertia": of_both if belief.stack_inertia is None else tensor(belief.stack_inertia),
-    }
+    given = {name: scenario.at(f"belief.{name}") for name in BELIEFS}
+    resolved = {name: design(name, scenario.at) if value is None else value for name, value in given.items()}
+    return {name: value if name.endswith("mass") else tensor(value) for name, value in resolved.items()}
 
 
 def _open_loop(scenario: Scenario) -> Tree:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping
 from dataclasses import replace
 from types import UnionType
 from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin
 
 from pydantic import TypeAdapter, ValidationError
+from pydantic_core import PydanticUndefined
 
 from detumble.errors import Fault, ScenarioError
+from detumble.scenario.dispersions import DISTRIBUTIONS
 from detumble.scenario.quantity import Quantity
 from detumble.scenario.section import Section
 from detumble.scenario.wording import did_you_mean, pretty, shown
@@ -21,6 +24,10 @@ if TYPE_CHECKING:
     from detumble.scenario.model import Scenario
 
 Place = tuple[int | str, ...]
+
+
+class Unread(Exception):
+    """A value is missing from the file, or at fault: what depends on it cannot be checked."""
 
 
 def validated(raw: Mapping[str, Any], source: str) -> Scenario:
@@ -43,7 +50,7 @@ def validated(raw: Mapping[str, Any], source: str) -> Scenario:
     except ValidationError as error:
         faults = explained(error, Scenario)
         faulty = {fault.path for fault in faults}
-        for fault in _relations(Scenario, raw, faulty):
+        for fault in (*_relations(Scenario, raw, faulty), *_misfits(raw, faulty)):
             if fault not in faults:
                 faults.append(fault)
     raise ScenarioError(source, faults)
@@ -53,9 +60,8 @@ def explained(error: ValidationError, model: type[Section]) -> list[Fault]:
     """Translate pydantic's findings about one model."""
     faults: list[Fault] = []
     for detail in error.errors(include_url=False):
-        place = detail["loc"]
         if detail["type"] == "relations":
-            prefix = _dotted(place)
+            prefix = _dotted(_walk(model, detail["loc"])[0])
             inner: list[Fault] = detail["ctx"]["faults"]
             faults += [replace(fault, path=f"{prefix}.{fault.path}" if prefix else fault.path) for fault in inner]
         else:
@@ -75,24 +81,35 @@ def _sibling(path: str, name: str) -> str:
 
 
 def _fault(detail: ErrorDetails, model: type[Section]) -> Fault:
-    place, kind, value = detail["loc"], detail["type"], detail["input"]
-    path, unit = _dotted(place), detail.get("ctx", {}).get("unit", "")
+    kind, value, context = detail["type"], detail["input"], detail.get("ctx", {})
+    place, owner = _walk(model, detail["loc"])
+    path, unit = _dotted(place), context.get("unit", "")
     met = f"{shown(value)} {pretty(unit)}".rstrip() if not isinstance(value, str) else shown(value)
     match kind:
         case "missing":
-            return Fault(path, f"missing; needed: {_needed(model, place)}")
+            return Fault(path, f"missing; needed: {_needed(owner, str(place[-1]))}")
         case "extra_forbidden" | "no_such_attribute":
-            owner = section_at(model, place[:-1])
             return Fault(path, f"unknown key{did_you_mean(str(place[-1]), owner.model_fields if owner else ())}")
         case "quantity":
-            return Fault(path, pretty(detail["ctx"]["text"]), met)
+            return Fault(path, pretty(context["text"]), met)
         case "literal_error":
-            choices = [choice.strip("'") for choice in detail["ctx"]["expected"].replace(" or ", ", ").split(", ")]
+            choices = [choice.strip("'") for choice in context["expected"].replace(" or ", ", ").split(", ")]
             return Fault(path, f"must be {' or '.join(choices)}{did_you_mean(str(value), choices)}", met)
+        case "union_tag_not_found":
+            return Fault(f"{path}.distribution", f"missing; needed: {' or '.join(DISTRIBUTIONS)}")
+        case "union_tag_invalid":
+            hint = did_you_mean(context["tag"], DISTRIBUTIONS)
+            return Fault(f"{path}.distribution", f"must be {' or '.join(DISTRIBUTIONS)}{hint}", shown(context["tag"]))
         case "model_type" | "model_attributes_type" | "dict_type":
             return Fault(path or "the file", "must be a table", met)
         case "list_type":
             return Fault(path, "must be an array of tables", met)
+        case "tuple_type":
+            return Fault(path, "must be a list", met)
+        case "float_type":
+            return Fault(path, "must be a plain number", met)
+        case "finite_number":
+            return Fault(path, "must be finite", met)
         case "bool_type" | "bool_parsing":
             return Fault(path, "must be true or false", met)
         case "string_type":
@@ -103,6 +120,25 @@ def _fault(detail: ErrorDetails, model: type[Section]) -> Fault:
             return Fault(path, detail["msg"], met)
 
 
+def _walk(model: type[Section], place: Place) -> tuple[Place, type[Section] | None]:
+    """Follow a place of pydantic's; gives it as the file has it, and the section that its last step belongs to.
+
+    Pydantic names the distribution that it took a dispersion for as one more step.
+    """
+    kept: list[int | str] = []
+    owner: type[Section] | None = None
+    inner: type[Section] | None = model
+    for at, step in enumerate(place):
+        if isinstance(step, str) and at == 2 and place[0] == "dispersions":
+            inner = DISTRIBUTIONS[step]
+            continue
+        kept.append(step)
+        if isinstance(step, str):
+            owner, field = inner, inner.model_fields.get(step) if inner else None
+            inner = section_of(field.annotation) if field else None
+    return tuple(kept), owner
+
+
 def section_at(model: type[Section], place: Place) -> type[Section] | None:
     """Find the section that stands at a place of the model, or None where there is none."""
     current: type[Section] | None = model
@@ -110,15 +146,16 @@ def section_at(model: type[Section], place: Place) -> type[Section] | None:
         if isinstance(step, int):
             continue
         field = current.model_fields.get(step) if current else None
-        current = _section_of(field.annotation) if field else None
+        current = section_of(field.annotation) if field else None
     return current
 
 
-def _section_of(annotation: Any) -> type[Section] | None:
+def section_of(annotation: Any) -> type[Section] | None:
+    """Find the section that a field holds, perhaps optional or in a list; None where it holds a value."""
     if isinstance(annotation, type) and get_origin(annotation) is None and issubclass(annotation, Section):
         return annotation
     if get_origin(annotation) in (Union, UnionType, list):
-        return next((found for inner in get_args(annotation) if (found := _section_of(inner))), None)
+        return next((found for inner in get_args(annotation) if (found := section_of(inner))), None)
     return None
 
 
@@ -133,14 +170,13 @@ def is_text(field: FieldInfo | None) -> bool:
     return field is not None and (field.annotation is str or get_origin(field.annotation) is Literal)
 
 
-def _needed(model: type[Section], place: Place) -> str:
-    owner = section_at(model, place[:-1])
-    field = owner.model_fields.get(str(place[-1])) if owner else None
+def _needed(owner: type[Section] | None, name: str) -> str:
+    field = owner.model_fields.get(name) if owner else None
     if field is None:
-        return str(place[-1])
+        return name
     quantity = quantity_of(field)
     if quantity is None:
-        return "a table" if _section_of(field.annotation) else (field.description or str(place[-1]))
+        return "a table" if section_of(field.annotation) else (field.description or name)
     return f"{quantity.meaning} [{pretty(quantity.unit)}]" if quantity.unit else quantity.meaning
 
 
@@ -159,14 +195,38 @@ def _relations(model: type[Section], raw: Any, faulty: set[str], prefix: str = "
     for relation in model.relations:
         if any(_touches(prefix + path, faulty) for path in relation.reads):
             continue
-        text = relation.fault(*(_value(model, raw, path.split(".")) for path in relation.reads))
-        if text:
-            found.append(Fault(prefix + relation.at, text))
+        with contextlib.suppress(Unread):
+            text = relation.fault(*[_value(model, raw, path.split(".")) for path in relation.reads])
+            found += [Fault(prefix + relation.at, text)] if text else []
     for name, field in model.model_fields.items():
-        inner = _section_of(field.annotation)
+        inner = section_of(field.annotation)
         if inner and get_origin(field.annotation) is not list and name in raw:
             found += _relations(inner, raw[name], faulty, f"{prefix}{name}.")
     return found
+
+
+def _misfits(raw: Mapping[str, Any], faulty: set[str]) -> list[Fault]:
+    """Hold the sound dispersions against the sound fields."""
+    from detumble.scenario.dispersions.fitting import faults
+    from detumble.scenario.model import Scenario
+
+    def at(path: str) -> Any:
+        if _touches(path, faulty):
+            raise Unread
+        return _value(Scenario, raw, path.split("."))
+
+    def sound(key: str) -> list[tuple[int, Any]]:
+        reader: TypeAdapter[Any] = TypeAdapter(get_args(Scenario.model_fields[key].annotation)[0])
+        return [
+            (number, reader.validate_python(table))
+            for number, table in enumerate(raw.get(key, ()) if key not in faulty else ())
+            if not any(f"{bad}.".startswith(f"{key}[{number}].") for bad in faulty)
+        ]
+
+    dispersions = sound("dispersions")
+    # What a dispersion with a fault of its own would have drawn is not known.
+    broken = any(bad.startswith("dispersions") for bad in faulty)
+    return faults(dispersions, () if broken else sound("correlations"), at)
 
 
 def _touches(path: str, faulty: set[str]) -> bool:
@@ -177,8 +237,10 @@ def _value(model: type[Section], raw: Mapping[str, Any], path: list[str]) -> Any
     field = model.model_fields[path[0]]
     if path[0] not in raw:
         default = field.get_default(call_default_factory=True)
+        if default is PydanticUndefined:  # missing, or misspelt
+            raise Unread
         return default.at(".".join(path[1:])) if len(path) > 1 and isinstance(default, Section) else default
-    inner = _section_of(field.annotation)
+    inner = section_of(field.annotation)
     if len(path) > 1 and inner is not None:
         return _value(inner, raw[path[0]], path[1:])
     quantity = quantity_of(field)

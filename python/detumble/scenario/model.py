@@ -11,6 +11,8 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, StrictBool
 
+from detumble.errors import Fault
+from detumble.scenario.dispersions import AnyDispersion, Correlation
 from detumble.scenario.laws import Laws, Segment
 from detumble.scenario.quantity import Axes, Inertia, Quantity, Quaternion, Vector
 from detumble.scenario.section import Relation, Section
@@ -252,7 +254,7 @@ def _segments_fault(segments: list[Segment] | None, period: float) -> str | None
 
 
 class Scenario(Section):
-    """Everything that one flight needs but the choice of the law and the seed."""
+    """Everything that a flight needs but the choice of the law and the seed, and what a campaign draws at random."""
 
     title: str = Field(min_length=1, description="one line for tables and figures")
     description: str = Field("", description="what this case is for, and where its numbers come from")
@@ -268,6 +270,10 @@ class Scenario(Section):
     belief: Belief = Field(default_factory=Belief)
     laws: Laws = Field(default_factory=Laws)
     campaign: Campaign = Field(default_factory=Campaign)
+    dispersions: list[AnyDispersion] = Field(
+        default_factory=list, description="what a campaign draws anew for each run"
+    )
+    correlations: list[Correlation] = Field(default_factory=list, description="groups of dispersed numbers")
 
     checks_relations_on_assignment: ClassVar[bool] = False
     relations: ClassVar[tuple[Relation, ...]] = (
@@ -285,6 +291,12 @@ class Scenario(Section):
     def table(cls) -> str:
         """Name nothing: the scenario is the file itself."""
         return ""
+
+    def broken(self) -> list[Fault]:
+        """Find the relations between sections that do not hold, and dispersions that do not fit their fields."""
+        from detumble.scenario.dispersions.fitting import faults
+
+        return super().broken() + faults(enumerate(self.dispersions), enumerate(self.correlations), self.at)
 
     @property
     def has_grasp_points(self) -> bool:

@@ -29,6 +29,10 @@ def _without_null(node: Any) -> Any:
     if not isinstance(node, dict):
         return node
     node = {key: _without_null(value) for key, value in node.items() if not (key == "default" and value is None)}
+    for name, value in node.get("properties", {}).items():
+        if "const" in value and "default" in value:  # Python knows it by the class, a file by this key
+            del value["default"]
+            node["required"] = [*node.get("required", ()), name]
     choices = [choice for choice in node.get("anyOf", ()) if choice != {"type": "null"}]
     if len(choices) == 1:
         del node["anyOf"]

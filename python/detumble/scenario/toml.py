@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
+from detumble.scenario.dispersions.fitting import unit_in
 from detumble.scenario.faults import quantity_of
 from detumble.scenario.section import Section
 from detumble.scenario.wording import number
@@ -47,7 +48,7 @@ def _table(section: Section, path: str, lines: list[str]) -> None:
             arrays.append((name, value))
         else:
             quantity = quantity_of(field)
-            own.append(_commented(f"{name} = {literal(value)}", quantity.unit if quantity else ""))
+            own.append(_commented(f"{name} = {literal(value)}", unit_in(section, quantity) if quantity else ""))
     if path and (own or not (tables or arrays)):
         lines += ["", f"[{path}]"]
     lines += own + inline
@@ -55,7 +56,7 @@ def _table(section: Section, path: str, lines: list[str]) -> None:
         _table(table, f"{path}.{name}" if path else name, lines)
     for name, items in arrays:
         for item in items:
-            lines += ["", f"[[{path}.{name}]]"]
+            lines += ["", f"[[{path}.{name}]]" if path else f"[[{name}]]"]
             _table(item, "", lines)
 
 

@@ -1,0 +1,98 @@
+"""What a campaign draws: the values of the dispersed fields, run by run, and any run as a scenario of its own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from detumble.compiled import core
+from detumble.scenario.core import BELIEFS, design
+from detumble.scenario.dispersions.fitting import members, resolved
+from detumble.scenario.faults import validated
+
+if TYPE_CHECKING:
+    from detumble.scenario.model import Scenario
+
+
+def spec(scenario: Scenario) -> dict[str, Any]:
+    """Give all that is dispersed as the core takes it.
+
+    Args:
+        scenario: the nominal case with its dispersions.
+
+    Returns:
+        Nested dicts and lists, in the units of the fields, nothing left to default.
+
+    Raises:
+        ScenarioError: the scenario contradicts itself.
+    """
+    scenario.check()
+    laws: list[dict[str, Any]] = []
+    named: dict[str, tuple[int, int]] = {}
+    for number, dispersion in enumerate(scenario.dispersions):
+        aim, law = resolved(dispersion, scenario.at)
+        laws.append(law)
+        named |= members(number, dispersion, aim)
+    return {"dispersions": laws, "correlations": [group.resolved(named) for group in scenario.correlations]}
+
+
+def draw(scenario: Scenario, seed: int, first: int, count: int) -> dict[str, NDArray[np.float64]]:
+    """Draw the dispersed fields of runs `first` to `first + count - 1`.
+
+    A run's values depend on the seed, its index and the field's own distribution (and group of correlations) alone.
+
+    Args:
+        scenario: the nominal case with its dispersions.
+        seed: of the campaign, 0 to 2^64 - 1.
+        first: index of the first run.
+        count: number of runs.
+
+    Returns:
+        By path, in the order of the file and the unit of the field: shape (count,), or (count, 3) for a vector, (count, 4)
+        for an attitude (unit quaternion, scalar first and not negative), (count, 6) for an inertia (xx, yy, zz, xy, xz, yz).
+
+    Raises:
+        ScenarioError: the scenario contradicts itself.
+    """
+    drawn: dict[str, NDArray[np.float64]] = core().draw(spec(scenario), seed, first, count)
+    return drawn
+
+
+def drawn_scenario(scenario: Scenario, seed: int, index: int) -> Scenario:
+    """Give one run of a campaign as a scenario without dispersions.
+
+    What the laws believe stays the nominal design: beliefs that the file leaves to default are written out where the bodies
+    behind them are dispersed.
+
+    Args:
+        scenario: the nominal case with its dispersions.
+        seed: of the campaign.
+        index: of the run.
+
+    Raises:
+        ScenarioError: the scenario contradicts itself.
+    """
+    drawn = draw(scenario, seed, index, 1)
+    raw = scenario.to_dict()
+    del raw["dispersions"], raw["correlations"]
+    for name in BELIEFS:
+        bodies, what = ("chaser",) if name.startswith("chaser") else ("chaser", "debris"), name.rpartition("_")[2]
+        told = name.startswith("stack") and scenario.belief.stack == "true"
+        if not told and name not in raw["belief"] and any(f"{body}.{what}" in drawn for body in bodies):
+            raw["belief"][name] = design(name, scenario.at)
+    for path, values in drawn.items():
+        *tables, name = path.split(".")
+        table = raw
+        for step in tables:
+            table = table[step]
+        table[name] = _value(values[0])
+    return validated(raw, f"{scenario.title}, run {index}")
+
+
+def _value(row: Any) -> Any:
+    if np.size(row) == 6:
+        xx, yy, zz, xy, xz, yz = row.tolist()
+        return [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    return row.tolist()

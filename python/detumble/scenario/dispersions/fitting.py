@@ -1,0 +1,191 @@
+"""Dispersions held against the scenario that they disperse."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import cache
+from typing import Any
+
+from detumble.errors import Fault
+from detumble.scenario.core import design
+from detumble.scenario.dispersions.base import Dispersion, Misfit, Parameter, Target, Tree
+from detumble.scenario.dispersions.correlation import Correlation
+from detumble.scenario.dispersions.numbers import Elementwise
+from detumble.scenario.faults import Unread, quantity_of, section_at, section_of
+from detumble.scenario.quantity import Quantity
+from detumble.scenario.section import Section
+from detumble.scenario.wording import did_you_mean, pretty, shown
+
+At = Callable[[str], Any]
+"""Gives the value of a field by its path, None where it is absent; Unread where the file's value is at fault."""
+
+FITTING = {
+    "number": "normal, truncated_normal, uniform or log_uniform",
+    "axes": "normal, truncated_normal, uniform or log_uniform",
+    "vector": "normal, truncated_normal, uniform, log_uniform or direction",
+    "quaternion": "attitude",
+    "inertia": "inertia",
+}
+_FIXED = ("time.", "capture.dwell.", "laws.none.")
+
+
+@cache
+def fields() -> dict[str, Quantity]:
+    """Name all fields that can be dispersed: numbers that may differ from run to run."""
+    from detumble.scenario.model import Scenario
+
+    found: dict[str, Quantity] = {}
+    _collect(Scenario, "", found)
+    return found
+
+
+def _collect(section: type[Section], path: str, found: dict[str, Quantity]) -> None:
+    for name, field in section.model_fields.items():
+        dotted = path + name
+        quantity, inner = quantity_of(field), section_of(field.annotation)
+        if f"{dotted}.".startswith(_FIXED):
+            continue
+        if quantity is not None and quantity.shape in FITTING:
+            found[dotted] = quantity
+        elif inner is not None:
+            _collect(inner, dotted + ".", found)
+
+
+def target(path: str, at: At) -> Target:
+    """Find the field that is dispersed.
+
+    Args:
+        path: dotted.
+        at: gives values by path.
+
+    Raises:
+        Misfit: there is no such field, or nothing to disperse.
+        Unread: its value cannot be read.
+    """
+    quantity = fields().get(path)
+    if quantity is None:
+        raise Misfit("field", _not_dispersible(path))
+    section, _, name = path.rpartition(".")
+    if section == "belief" and name.startswith("stack_") and at("belief.stack") == "true":
+        raise Misfit("field", 'needs belief.stack = "design"; a law that is told the truth has no belief')
+    nominal = at(path)
+    if nominal is None and section == "belief":
+        nominal = design(name, at)
+    if nominal is None:
+        rivals = [f"{section}.{other}" for other in _owner(section).rivals(name)]
+        raise Misfit(
+            "field", " or ".join(["is not given here; give it a value", *(f"disperse {rival}" for rival in rivals)])
+        )
+    return Target(path, quantity, nominal)
+
+
+def _owner(path: str) -> type[Section]:
+    from detumble.scenario.model import Scenario
+
+    return section_at(Scenario, tuple(path.split("."))) or Scenario
+
+
+def _not_dispersible(path: str) -> str:
+    from detumble.scenario.model import Scenario
+
+    if f"{path}.".startswith(_FIXED):
+        return "is the same in every run, as all clocks and open-loop segments are"
+    steps = tuple(path.split("."))
+    owner = section_at(Scenario, steps[:-1])
+    if section_at(Scenario, steps) is not None:
+        return "is a table; name one of its numbers"
+    if owner is not None and steps[-1] in owner.model_fields:
+        return "is nothing that varies from run to run; name a number, vector, attitude or inertia"
+    return f"no field has this path{did_you_mean(path, fields())}"
+
+
+def resolved(dispersion: Dispersion, at: At) -> tuple[Target, Tree]:
+    """Give the field of a dispersion, and its distribution as the core takes it.
+
+    Raises:
+        Misfit: they do not fit.
+        Unread: the field's value cannot be read.
+    """
+    aim = target(dispersion.field, at)
+    if aim.quantity.shape not in dispersion.shapes:
+        raise Misfit("distribution", f"does not fit {aim.path}; use {FITTING[aim.quantity.shape]}")
+    return aim, {"path": aim.path, "law": dispersion.law(aim)}
+
+
+def members(number: int, dispersion: Dispersion, aim: Target) -> dict[str, tuple[int, int]]:
+    """Name the numbers of a dispersion that can be correlated: of a vector `chaser.position.x` and so on.
+
+    Args:
+        number: of the dispersion.
+        dispersion: what is drawn.
+        aim: its field.
+
+    Returns:
+        Where each stands: dispersion, element.
+    """
+    if not isinstance(dispersion, Elementwise):
+        return {}
+    if len(aim.values) == 1:
+        return {aim.path: (number, 0)}
+    return {f"{aim.path}.{axis}": (number, element) for element, axis in enumerate("xyz")}
+
+
+def faults(
+    dispersions: Iterable[tuple[int, Dispersion]], correlations: Iterable[tuple[int, Correlation]], at: At
+) -> list[Fault]:
+    """Find what is wrong between dispersions, their fields and their correlations.
+
+    Args:
+        dispersions: with their numbers in the file; those that are at fault themselves left out.
+        correlations: likewise.
+        at: gives values by path.
+    """
+    found: list[Fault] = []
+    known: dict[str, int] = {}
+    named: dict[str, tuple[int, int]] = {}
+    doubtful: set[str] = set()
+    for number, dispersion in dispersions:
+        try:
+            if dispersion.field in known:
+                raise Misfit("field", f"is dispersed by dispersions[{known[dispersion.field]}] already")
+            known[dispersion.field] = number
+            named |= members(number, dispersion, resolved(dispersion, at)[0])
+        except Misfit as misfit:
+            found.append(_fault(number, dispersion, misfit))
+            doubtful.add(dispersion.field)
+        except Unread:
+            doubtful.add(dispersion.field)
+    grouped: dict[str, int] = {}
+    for number, correlation in correlations:
+        for name in correlation.fields:
+            text = f"is in correlations[{grouped[name]}] already" if name in grouped else _unnamed(name, named, known)
+            if text and not {name, name.rpartition(".")[0]} & doubtful:
+                found.append(Fault(f"correlations[{number}].fields", text, shown(name)))
+            grouped[name] = number
+    return found
+
+
+def _unnamed(name: str, named: Iterable[str], known: Iterable[str]) -> str | None:
+    if name in named:
+        return None
+    if f"{name}.x" in named:
+        return f"has three numbers; name one of them, such as {name}.x"
+    whole = next((path for path in known if path in (name, name.rpartition(".")[0])), None)
+    if whole:
+        return f"{whole} is drawn as a whole; only what is drawn number by number can be correlated"
+    return f"is not dispersed{did_you_mean(name, named)}"
+
+
+def _fault(number: int, dispersion: Dispersion, misfit: Misfit) -> Fault:
+    value = getattr(dispersion, misfit.key)
+    quantity = quantity_of(type(dispersion).model_fields[misfit.key])
+    unit = unit_in(dispersion, quantity) if quantity else ""
+    met = "" if value is None else f"{shown(value)} {pretty(unit)}".rstrip()
+    return Fault(f"dispersions[{number}].{misfit.key}", misfit.text, met)
+
+
+def unit_in(section: Section, quantity: Quantity) -> str:
+    """Give the unit of a quantity; that of a distribution's parameter is its field's."""
+    if isinstance(quantity, Parameter) and isinstance(section, Dispersion):
+        quantity = fields().get(section.field, quantity)
+    return quantity.unit
