@@ -158,7 +158,9 @@ def print_rates(rates: dict[str, measure.Rate]) -> None:
 def print_start_up(start_up: dict[str, measure.StartUp]) -> None:
     """Print seconds to a first result."""
     rows = [("one trajectory", "s from process start", "of these compiling")]
-    rows += [(TITLES[name], f"{times.seconds:.2f}", f"{max(times.compiling, 0.0):.2f}") for name, times in start_up.items()]
+    rows += [
+        (TITLES[name], f"{times.seconds:.2f}", f"{max(times.compiling, 0.0):.2f}") for name, times in start_up.items()
+    ]
     print(table(rows))
 
 
@@ -169,9 +171,7 @@ def print_growth(growth: dict[str, list[measure.Point]]) -> None:
     sizes = [point.runs for point in next(iter(growth.values()))]
     rows = [("trajectories", *(f"{size:,}" for size in sizes))]
     for label, points in growth.items():
-        cells = (
-            "not run" if p.seconds is None else f"{p.seconds:.3g} s, {megabytes(p.peak_bytes)} MB" for p in points
-        )
+        cells = ("not run" if p.seconds is None else f"{p.seconds:.3g} s, {megabytes(p.peak_bytes)} MB" for p in points)
         rows.append((label, *cells))
     print(table(rows))
     for label, points in growth.items():

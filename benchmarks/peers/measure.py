@@ -11,11 +11,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from peers.process import Peer, PeerFailed
-from peers.ways import WAYS, Way
-
 from detumble.compiled import core
 from detumble.workload import FLOP_PER_STEP, random_starts
+from peers.process import Peer, PeerFailed
+from peers.ways import WAYS, Way
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -193,9 +192,24 @@ def campaign(runs: int, folder: Path) -> tuple[float, int | None]:
         PeerFailed: the command failed.
     """
     out = folder / f"campaign-{runs}"
-    command = ["campaign", "workload_w", "--law", "prrl", "--runs", str(runs), "--seed", "1", "--out", str(out), "--json"]
+    command = [
+        "campaign",
+        "workload_w",
+        "--law",
+        "prrl",
+        "--runs",
+        str(runs),
+        "--seed",
+        "1",
+        "--out",
+        str(out),
+        "--json",
+    ]
     launched = subprocess.run(
-        [sys.executable, "-I", "-S", "-c", LAUNCHER, str(DETUMBLE), *command], capture_output=True, text=True, check=True
+        [sys.executable, "-I", "-S", "-c", LAUNCHER, str(DETUMBLE), *command],
+        capture_output=True,
+        text=True,
+        check=True,
     )
     told = json.loads(launched.stdout)
     if told["code"]:

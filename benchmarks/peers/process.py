@@ -49,7 +49,7 @@ class Peer:
 
     def __init__(self, name: str, python: Path, threads: int, case: dict[str, Any], folder: Path) -> None:
         self.name, self.threads, self.folder = name, threads, folder
-        self.errors = tempfile.TemporaryFile("w+")
+        self.errors = tempfile.TemporaryFile("w+")  # noqa: SIM115  # open as long as the peer runs
         self.begin = time.perf_counter()
         self.process = subprocess.Popen(
             [python, FOLDER / f"run_{name}.py", str(threads)],
@@ -78,7 +78,13 @@ class Peer:
         """
         given, flown = self.folder / "starts.npy", self.folder / "flown.npz"
         np.save(given, starts)
-        request = {"call": call, "starts": str(given), "noisy": noisy, "seed": seed, "out": str(flown) if keep else None}
+        request = {
+            "call": call,
+            "starts": str(given),
+            "noisy": noisy,
+            "seed": seed,
+            "out": str(flown) if keep else None,
+        }
         self._send(request)
         assert self.process.stdout is not None
         line = self.process.stdout.readline()

@@ -127,7 +127,9 @@ class Law(numbaModel.NumbaModel):
         torque = memory.inertia * sliding(short * e[1:], spin, memory.rotation)
         torque = torque + np.cross(rate, memory.inertia * rate)
         forceOutMsgPayload.forceRequestInertial[:] = axes.T @ force
-        torqueOutMsgPayload.torqueRequestBody[:] = np.minimum(np.maximum(torque, -memory.torque_limit), memory.torque_limit)
+        torqueOutMsgPayload.torqueRequestBody[:] = np.minimum(
+            np.maximum(torque, -memory.torque_limit), memory.torque_limit
+        )
 
 
 class Simulation(SimulationBaseClass.SimBaseClass):
@@ -244,7 +246,7 @@ def calls_of(case: dict[str, Any]) -> dict[str, Fly]:
         controller.addDispersion(Dispersions.UniformEulerAngleMRPDispersion("debris.hub.sigma_BNInit"))
         controller.addDispersion(Dispersions.UniformVectorCartDispersion("debris.hub.omega_BN_BInit", [-0.05, 0.05]))
         with tempfile.TemporaryDirectory() as folder:
-            controller.setArchiveDir(os.path.join(folder, "archive") + os.sep)
+            controller.setArchiveDir(f"{folder}/archive/")
             failed = controller.executeSimulations()
         if failed:
             raise RuntimeError(f"{len(failed)} of {len(starts)} simulations failed")

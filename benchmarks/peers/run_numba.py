@@ -11,6 +11,8 @@ from serve import serve, threads_asked
 from w import Workload
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from serve import Array, Fly
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
@@ -18,12 +20,13 @@ compiled = numba.njit(error_model="numpy", fastmath={"contract"})
 
 
 @compiled
-def cross(a0, a1, a2, b0, b1, b2):
+def cross(a0: float, a1: float, a2: float, b0: float, b1: float, b2: float) -> tuple[float, float, float]:
+    """a × b."""
     return a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0
 
 
 @compiled
-def relative(c, d):
+def relative(c: Array, d: Array) -> tuple[float, float, float, float]:
     """q_D* ⊗ q_C."""
     return (
         d[0] * c[0] + d[1] * c[1] + d[2] * c[2] + d[3] * c[3],
@@ -34,7 +37,7 @@ def relative(c, d):
 
 
 @compiled
-def seen_from(q, u0, u1, u2):
+def seen_from(q: Sequence[float], u0: float, u1: float, u2: float) -> tuple[float, float, float]:
     """q* ⊗ u ⊗ q."""
     t0, t1, t2 = cross(q[1], q[2], q[3], u0, u1, u2)
     s0, s1, s2 = cross(q[1], q[2], q[3], t0, t1, t2)
@@ -42,12 +45,13 @@ def seen_from(q, u0, u1, u2):
 
 
 @compiled
-def clipped(x, limit):
+def clipped(x: float, limit: float) -> float:
+    """Clip to ± limit."""
     return min(max(x, -limit), limit)
 
 
 @compiled
-def turning(y, o, d):
+def turning(y: Array, o: int, d: Array) -> None:
     """q' = q ⊗ (0, ω) / 2, of the quaternion at `o` with the rate behind it."""
     q0, q1, q2, q3, w0, w1, w2 = y[o], y[o + 1], y[o + 2], y[o + 3], y[o + 4], y[o + 5], y[o + 6]
     d[o] = -0.5 * (q1 * w0 + q2 * w1 + q3 * w2)
@@ -57,7 +61,7 @@ def turning(y, o, d):
 
 
 @compiled
-def mixed(counter):
+def mixed(counter: np.uint64) -> np.uint64:
     """SplitMix64's output of one counter."""
     x = (counter ^ (counter >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     x = (x ^ (x >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
@@ -65,7 +69,7 @@ def mixed(counter):
 
 
 @compiled
-def normals(z, counter):
+def normals(z: Array, counter: np.uint64) -> np.uint64:
     """Fill nine standard normals by Box and Muller's method; give the counter after them."""
     for i in range(0, 9, 2):
         a = mixed(counter)
@@ -79,7 +83,8 @@ def normals(z, counter):
 
 
 @compiled
-def normalised(y, o):
+def normalised(y: Array, o: int) -> None:
+    """Give the quaternion at `o` unit length."""
     scale = 1.0 / np.sqrt(y[o] * y[o] + y[o + 1] * y[o + 1] + y[o + 2] * y[o + 2] + y[o + 3] * y[o + 3])
     for i in range(o, o + 4):
         y[i] *= scale
@@ -93,14 +98,19 @@ def calls_of(case: dict[str, Any]) -> dict[str, Fly]:
     g0, g1, g2 = w.goal
     a0, a1, a2 = w.chaser_inertia
     b0, b1, b2 = w.debris_inertia
-    slope_r, gain_r, layer_r, alpha_r = w.translation.slope, w.translation.gain, w.translation.layer, w.translation.alpha
+    slope_r, gain_r, layer_r, alpha_r = (
+        w.translation.slope,
+        w.translation.gain,
+        w.translation.layer,
+        w.translation.alpha,
+    )
     slope_w, gain_w, layer_w, alpha_w = w.rotation.slope, w.rotation.gain, w.rotation.layer, w.rotation.alpha
     force_limit, torque_limit = w.force_limit, w.torque_limit
     sigma_r, half_sigma_q, sigma_w = w.position_sigma, 0.5 * w.attitude_sigma, w.rate_sigma
     distance2, half_cosine, rate2 = w.capture_distance**2, cos(w.capture_angle / 2), w.capture_rate**2
 
     @compiled
-    def slope(y, f, t, d):
+    def slope(y: Array, f: Array, t: Array, d: Array) -> None:
         d[0], d[1], d[2] = y[3], y[4], y[5]
         d[3] = 3.0 * n * n * y[0] + 2.0 * n * y[4] + f[0]
         d[4] = -2.0 * n * y[3] + f[1]
@@ -115,7 +125,7 @@ def calls_of(case: dict[str, Any]) -> dict[str, Fly]:
         d[19] = -(b1 - b0) * y[17] * y[18] / b2
 
     @compiled
-    def step(y, f, t, k1, k2, k3, k4, x):
+    def step(y: Array, f: Array, t: Array, k1: Array, k2: Array, k3: Array, k4: Array, x: Array) -> None:
         slope(y, f, t, k1)
         for i in range(20):
             x[i] = y[i] + 0.5 * dt * k1[i]
@@ -132,23 +142,21 @@ def calls_of(case: dict[str, Any]) -> dict[str, Fly]:
         normalised(y, 13)
 
     @compiled
-    def captured(y):
+    def captured(y: Array) -> bool:
         q = relative(y[6:10], y[13:17])
         u0, u1, u2 = seen_from(q, y[17], y[18], y[19])
         e0, e1, e2 = y[10] - u0, y[11] - u1, y[12] - u2
         x0, x1, x2 = y[0] - g0, y[1] - g1, y[2] - g2
         return (
-            x0 * x0 + x1 * x1 + x2 * x2 < distance2
-            and abs(q[0]) > half_cosine
-            and e0 * e0 + e1 * e1 + e2 * e2 < rate2
+            x0 * x0 + x1 * x1 + x2 * x2 < distance2 and abs(q[0]) > half_cosine and e0 * e0 + e1 * e1 + e2 * e2 < rate2
         )
 
     @compiled
-    def reaching(s, gain, alpha, layer):
+    def reaching(s: float, gain: float, alpha: float, layer: float) -> float:
         return gain * abs(s) ** alpha * clipped(s / layer, 1.0)
 
     @compiled
-    def command(y, z, f, t, c):
+    def command(y: Array, z: Array, f: Array, t: Array, c: Array) -> None:
         r0, r1, r2 = y[0] + sigma_r * z[0], y[1] + sigma_r * z[1], y[2] + sigma_r * z[2]
         natural = (3.0 * n * n * r0 + 2.0 * n * y[4], -2.0 * n * y[3], -n * n * r2)
         e = (r0 - g0, r1 - g1, r2 - g2)
@@ -174,11 +182,13 @@ def calls_of(case: dict[str, Any]) -> dict[str, Fly]:
             t[i] = clipped(inertia[i] * a + gyroscopic[i], torque_limit)
 
     @numba.njit(parallel=True, error_model="numpy", fastmath={"contract"})
-    def fly(starts, noisy, seed):
+    def fly(starts: Array, noisy: bool, seed: int) -> tuple[Array, Array]:
         ends = starts.copy()
         times = np.full(len(starts), np.nan)
         for j in numba.prange(len(starts)):
-            counter = mixed(np.uint64(seed) * GOLDEN + np.uint64(j))  # noise does not depend on the thread that flies it
+            counter = mixed(
+                np.uint64(seed) * GOLDEN + np.uint64(j)
+            )  # noise does not depend on the thread that flies it
             y = ends[j]
             f, t, c, z, x = np.zeros(3), np.zeros(3), np.zeros(4), np.zeros(10), np.zeros(20)
             k1, k2, k3, k4 = np.zeros(20), np.zeros(20), np.zeros(20), np.zeros(20)

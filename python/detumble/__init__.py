@@ -15,6 +15,7 @@ TYPE_CHECKING = False  # as type checkers know it; importing it from typing woul
 if TYPE_CHECKING:
     from typing import Any
 
+    from detumble.campaigns.campaign import campaign
     from detumble.errors import RequestError, ScenarioError
     from detumble.flight import Flight, read_netcdf, simulate
     from detumble.scenario import LAWS, Scenario, load
@@ -28,6 +29,7 @@ _HOMES = {
     "RequestError": ("detumble.errors", "RequestError"),
     "Scenario": ("detumble.scenario.model", "Scenario"),
     "ScenarioError": ("detumble.errors", "ScenarioError"),
+    "campaign": ("detumble.campaigns.campaign", "campaign"),
     "load": ("detumble.scenario.files", "load"),
     "read_netcdf": ("detumble.flight", "read_netcdf"),
     "scenarios": ("detumble.scenario.files", "built_in"),
@@ -41,6 +43,7 @@ __all__ = [
     "Scenario",
     "ScenarioError",
     "__version__",
+    "campaign",
     "load",
     "read_netcdf",
     "scenarios",

@@ -127,24 +127,50 @@ def simulate(
     for name, number in (("seed", seed), ("index", index)):
         if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number <= MOST_SEED:
             raise RequestError(f"{name} {number!r}: must be a whole number from 0 to 2^64 - 1")
+    return flown(scenario, law, seed, index, backend, case(scenario, law))
+
+
+def flown(
+    scenario: Scenario,
+    law: str,
+    seed: int,
+    index: int,
+    backend: str | None,
+    numbers: dict[str, Any],
+    differing: list[str] | None = None,
+) -> Flight:
+    """Fly the core's numbers of a scenario once.
+
+    Args:
+        scenario: what the flight will tell that it flew.
+        law: its law.
+        seed: of the sensor noise.
+        index: number of the trajectory under that seed.
+        backend: as in `simulate`.
+        numbers: as `case` gives them.
+        differing: paths of the numbers in which flights of its campaign differ.
+
+    Raises:
+        ScenarioError: the scenario cannot be flown.
+        RequestError: there is no such back end.
+    """
     checked = checked_backend(backend)
-    recipe = case(scenario, law)
     try:
-        flown = core().fly(recipe, seed, index, checked)
+        record = core().fly(numbers, seed, index, checked, differing)
     except ValueError as error:
         raise ScenarioError(scenario.title, problem=str(error)) from None
-    metrics = Metrics.from_summary(flown["summary"])
-    events = _events(metrics, flown)
+    metrics = Metrics.from_summary(record["summary"])
+    events = _events(metrics, record)
     return Flight(
         scenario=scenario,
         law=law,
         seed=seed,
         index=index,
-        backend=flown["backend"],
-        history=flown["history"],
+        backend=record["backend"],
+        history=record["history"],
         metrics=metrics,
         events=events,
-        warnings=_warnings(metrics, events, scenario, law, _fast_turn(flown["history"], recipe["plan"])),
+        warnings=_warnings(metrics, events, scenario, law, _fast_turn(record["history"], numbers["plan"])),
     )
 
 
@@ -165,15 +191,15 @@ def read_netcdf(path: str | os.PathLike[str]) -> Flight:
     return read(path)
 
 
-def _events(metrics: Metrics, flown: Mapping[str, Any]) -> tuple[Event, ...]:
+def _events(metrics: Metrics, record: Mapping[str, Any]) -> tuple[Event, ...]:
     events = []
     if metrics.capture_time is not None:
-        merge = flown["merge"]
+        merge = record["merge"]
         events.append(Event("captured", metrics.capture_time, _listed(merge or {})))
         if metrics.settling_time is not None:
             events.append(Event("settled", metrics.capture_time + metrics.settling_time))
     if metrics.diverged_time is not None:
-        events.append(Event("diverged", metrics.diverged_time, {"cause": _cause(flown["history"])}))
+        events.append(Event("diverged", metrics.diverged_time, {"cause": _cause(record["history"])}))
     return tuple(events)
 
 

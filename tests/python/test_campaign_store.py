@@ -71,7 +71,7 @@ def fly(store: Store, runs: int, but: tuple[int, ...] = ()) -> None:
     for number in reversed(range(store.recipe.shards(runs))):
         if number not in but:
             span = store.recipe.runs_of(number, runs)
-            store.write(number, rows(span.start, len(span)))
+            store.write(number, frame_of(rows(span.start, len(span))))
 
 
 def flip(path: Path, place: int, bit: int = 0) -> None:
@@ -112,7 +112,7 @@ def child(script: str, folder: Path, *wrapper: str) -> subprocess.Popen[str]:
 def test_rows_come_back_as_they_were_written_and_nan_as_null(store: Store) -> None:
     written = rows(200)
     written["capture_time_s"][:3] = [np.inf, -0.0, 5e-324]
-    store.write(2, written)
+    store.write(2, frame_of(written))
     frame = store.shard(2)
     assert frame.columns == list(written)
     for name, values in written.items():
@@ -129,7 +129,7 @@ def test_rows_come_back_as_they_were_written_and_nan_as_null(store: Store) -> No
 
 
 def test_any_reader_of_parquet_finds_units_and_what_the_shard_is(store: Store) -> None:
-    store.write(1, rows(100))
+    store.write(1, frame_of(rows(100)))
     content = store.path(1).read_bytes()
     label = pl.read_parquet_metadata(BytesIO(content))
     assert [label[key] for key in ("campaign", "shard", "first", "rows")] == [store.recipe.identity, "1", "100", "100"]
@@ -219,7 +219,7 @@ def test_rows_that_a_sound_file_should_not_hold_are_damage(monkeypatch: pytest.M
 
 
 def test_the_end_of_a_file_tells_its_rows_without_the_rest(store: Store) -> None:
-    store.write(4, rows(400, 50))
+    store.write(4, frame_of(rows(400, 50)))
     path, content = store.path(4), store.path(4).read_bytes()
     assert rows_in(path, store.recipe.identity, 4) == 50
     flip(path, 20)
@@ -270,7 +270,7 @@ def test_a_column_of_another_type_is_refused(values: Any) -> None:
 @pytest.mark.parametrize("columns", [rows(100), rows(0, ROWS + 1), rows(0, 0), rows(1, 50)])
 def test_runs_of_another_shard_are_not_written(store: Store, columns: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match="shard 0: its rows must be the runs from 0 on"):
-        store.write(0, columns)
+        store.write(0, frame_of(columns))
     assert not store.path(0).exists()
 
 
@@ -462,7 +462,7 @@ def test_each_kind_of_damage_is_found_and_told(store: Store, recipe: Recipe, tmp
         store.shard(5)
     store.path(8).rmdir()
     for number in (*reasons, 5):
-        store.write(number, rows(number * ROWS))
+        store.write(number, frame_of(rows(number * ROWS)))
     assert store.check(1000) == Checked(done=list(range(10)))
 
 
@@ -480,7 +480,7 @@ def test_a_file_reaches_the_disk_before_its_name_does(store: Store, monkeypatch:
 
     monkeypatch.setattr(os, "fsync", synced)
     monkeypatch.setattr(Path, "replace", renamed)
-    store.write(3, rows(300))
+    store.write(3, frame_of(rows(300)))
     name = "shard-000003"
     assert steps == [f"sync .{name}.{os.getpid()}.parquet", f"rename to {name}.parquet", "sync shards"]
 
@@ -496,7 +496,7 @@ def test_a_disk_that_refuses_keeps_what_is_complete(store: Store, monkeypatch: p
     monkeypatch.setattr(os, "fsync", refuse)
     for number in (2, 3):
         with pytest.raises(RequestError) as caught:
-            store.write(number, rows(number * ROWS, 50))
+            store.write(number, frame_of(rows(number * ROWS, 50)))
         assert str(caught.value) == (
             f"{store.path(number)}: cannot be written: {os.strerror(code).lower()}; "
             "the shards that are complete are kept, and --resume continues"
@@ -567,7 +567,7 @@ with begin() as store:
     print("begun", flush=True)
     while True:
         for number in range(4):
-            store.write(number, rows(number * ROWS))
+            store.write(number, frame_of(rows(number * ROWS)))
 """
 
 
@@ -631,7 +631,7 @@ def test_the_table_is_in_order_whatever_the_engine_and_limited_to_the_runs_asked
 def test_gaps_are_refused_and_told(store: Store) -> None:
     fly(store, 450)
     store.path(2).unlink()
-    store.write(4, rows(400, 20))
+    store.write(4, frame_of(rows(400, 20)))
     os.truncate(store.path(3), 100)
     with pytest.raises(RequestError) as caught:
         Runs(store)
@@ -734,7 +734,7 @@ def test_every_result_of_a_run_can_be_stored_and_read_back(store: Store) -> None
     columns: dict[str, Any] = {INDEX.name: np.arange(ROWS, dtype=np.uint64)}
     columns |= {result.name: number for result in RESULTS}
     columns |= {"success": number > len(CAUSES), "failure": [*CAUSES, *[None] * (ROWS - len(CAUSES))]}
-    store.write(0, columns)
+    store.write(0, frame_of(columns))
     found = Runs(store, ROWS).to_polars()
     assert found.columns == list(columns)
     assert found["failure"].to_list() == columns["failure"]

@@ -135,18 +135,17 @@ class Store:
         """Say where a shard stands."""
         return self.folder / "shards" / f"shard-{number:06}.parquet"
 
-    def write(self, number: int, columns: Mapping[str, NDArray[Any] | Sequence[str | None]]) -> None:
+    def write(self, number: int, frame: pl.DataFrame) -> None:
         """Write a shard, whole or not at all; an older one is replaced.
 
         Args:
             number: of the shard.
-            columns: as `frame_of` takes them, the first runs of the shard in order; NaN becomes null.
+            frame: as `frame_of` makes it, the first runs of the shard in order.
 
         Raises:
             RequestError: the disk does not take it.
             ValueError: these are not the runs of this shard.
         """
-        frame = frame_of(columns)
         first = number * self.recipe.shard
         expected = np.arange(first, first + frame.height, dtype=np.uint64)
         if not 0 < frame.height <= self.recipe.shard or not np.array_equal(frame[INDEX.name], expected):
@@ -176,6 +175,26 @@ class Store:
         except Damage as why:
             raise RequestError(f"{self.path(number)}: damaged: {why}; --resume flies it again") from None
         return frame if columns is None else frame.select(columns)
+
+    def find(self, number: int, needed: int, remark: Callable[[str], None]) -> pl.DataFrame | None:
+        """Look for a shard and check it to the bit.
+
+        Args:
+            number: of the shard.
+            needed: rows that are asked for.
+            remark: is told of a shard that is damaged.
+
+        Returns:
+            Its first rows; None where it is missing, damaged, or of a shorter campaign.
+        """
+        try:
+            found = self._decoded(number)
+        except FileNotFoundError:
+            return None
+        except Damage as why:
+            remark(f"{self.path(number)}: damaged: {why}; it is flown again")
+            return None
+        return found.head(needed) if found.height >= needed else None
 
     def check(self, runs: int, progress: Callable[[int, pl.DataFrame | None], None] | None = None) -> Checked:
         """Check to the bit which shards are there, one at a time.

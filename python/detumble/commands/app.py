@@ -8,6 +8,7 @@ import typer
 
 from detumble import __version__
 from detumble.commands.bench import bench
+from detumble.commands.campaign import campaign
 from detumble.commands.paper import paper
 from detumble.commands.run import run
 from detumble.commands.scenarios import scenarios
@@ -20,7 +21,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (paper, run, scenarios, schema, bench):
+for command in (paper, run, campaign, scenarios, schema, bench):
     app.command()(command)
 
 

@@ -26,7 +26,7 @@ FITTING = {
     "quaternion": "attitude",
     "inertia": "inertia",
 }
-_FIXED = ("time.", "capture.dwell.", "laws.none.")
+_FIXED = ("time.", "capture.dwell.", "campaign.", "laws.none.")
 
 
 @cache

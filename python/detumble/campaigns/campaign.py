@@ -1,0 +1,205 @@
+"""A campaign from its recipe to its result: shards are flown, written, counted, each in its turn."""
+
+from __future__ import annotations
+
+import os
+import platform
+import time
+from collections import deque
+from contextlib import closing, contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Protocol
+
+import polars as pl
+
+from detumble.campaigns.crews import Threads
+from detumble.campaigns.recipe import Recipe
+from detumble.campaigns.result import CampaignResult, Effort
+from detumble.campaigns.shard import frame_of
+from detumble.campaigns.statistics import Statistics
+from detumble.campaigns.store import Store
+from detumble.compiled import checked_backend
+from detumble.errors import RequestError
+from detumble.flight import MOST_SEED
+from detumble.scenario.core import case
+from detumble.scenario.files import load
+from detumble.scenario.model import Scenario
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from concurrent.futures import Future
+
+    from detumble.campaigns.crews import Crew
+    from detumble.campaigns.flying import Flown
+
+_PATIENCE = 0.1
+"""Seconds between two looks at work in progress."""
+
+
+class Watcher(Protocol):
+    """Is told how a campaign gets on."""
+
+    def begin(self, runs: int) -> None:
+        """A campaign of so many runs begins."""
+        ...
+
+    def now(self, done: int, flown: int, statistics: Statistics) -> None:
+        """So many runs are done, of which so many were flown just now; successes are known of those in the statistics."""
+        ...
+
+    def remark(self, text: str) -> None:
+        """Something that a person ought to know."""
+        ...
+
+
+class Unwatched:
+    """Nobody looks."""
+
+    def begin(self, runs: int) -> None:
+        """Say nothing."""
+
+    def now(self, done: int, flown: int, statistics: Statistics) -> None:
+        """Say nothing."""
+
+    def remark(self, text: str) -> None:
+        """Say nothing."""
+
+
+def campaign(
+    scenario: Scenario | str | os.PathLike[str],
+    law: str = "prrl",
+    runs: int = 1000,
+    seed: int = 0,
+    out: str | os.PathLike[str] | None = None,
+    *,
+    threads: int | None = None,
+    scheduler: str | None = None,
+    local_cluster: int | None = None,
+    resume: bool = False,
+    until_ci: float | None = None,
+    backend: str | None = None,
+    watcher: Watcher | None = None,
+) -> CampaignResult:
+    """Fly a scenario many times, each run with its own draws of what the scenario disperses and its own sensor noise.
+
+    Args:
+        scenario: a scenario, or what `load` takes.
+        law: one of `LAWS`, or `none` for open loop.
+        runs: how many. Run i is the same run whatever their number.
+        seed: of all random numbers, 0 to 2^64 - 1.
+        out: folder for the runs; None keeps them in a temporary one as long as the result lives.
+        threads: of this process; None uses all processors.
+        scheduler: address of a Dask scheduler whose workers fly instead.
+        local_cluster: number of Dask workers to start on this machine instead.
+        resume: continue the campaign that the folder holds.
+        until_ci: stop once the half width of the 95 % interval of the success probability is no more than this.
+        backend: `portable`, `avx2`, `avx512`; None takes the core's choice. Rows of the last two are the same.
+        watcher: is told how the campaign gets on.
+
+    Returns:
+        Statistics, and the runs to be read back.
+
+    Raises:
+        ScenarioError: the scenario cannot be flown.
+        RequestError: an argument cannot be used, the folder does not take the runs, or holds another campaign.
+    """
+    scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
+    _check(runs, seed, until_ci, threads, local_cluster, scheduler)
+    case(scenario, law)
+    recipe = Recipe(scenario.to_toml(), law, seed)
+    watcher = watcher or Unwatched()
+    crew = _crew(threads, scheduler, local_cluster, backend)
+    with closing(crew), _folder(out) as (folder, kept):
+        about = crew.about() | {"machine": platform.machine(), "system": platform.platform()}
+        with Store.create(folder, recipe, runs, about=about, resume=resume) as store:
+            statistics, effort = _fly(store, crew, runs, until_ci, watcher)
+        return CampaignResult(Store.open(folder), statistics, effort, kept)
+
+
+def _check(
+    runs: int,
+    seed: int,
+    until_ci: float | None,
+    threads: int | None,
+    local_cluster: int | None,
+    scheduler: str | None,
+) -> None:
+    whole = {"runs": (runs, 1, 10**12), "seed": (seed, 0, MOST_SEED)}
+    whole |= {"threads": (threads, 1, 4096)} if threads is not None else {}
+    whole |= {"local_cluster": (local_cluster, 1, 4096)} if local_cluster is not None else {}
+    for name, (number, least, most) in whole.items():
+        if isinstance(number, bool) or not isinstance(number, int) or not least <= number <= most:
+            raise RequestError(f"{name} {number!r}: must be a whole number from {least} to {most}")
+    if until_ci is not None and not 0.0 < until_ci < 0.5:
+        raise RequestError(f"until_ci {until_ci!r}: must lie between 0 and 0.5, a half width of a probability")
+    if sum(choice is not None for choice in (threads, local_cluster, scheduler)) > 1:
+        raise RequestError("threads, scheduler and local_cluster: at most one of them says who flies")
+
+
+def _crew(threads: int | None, scheduler: str | None, local_cluster: int | None, backend: str | None) -> Crew:
+    if scheduler is None and local_cluster is None:
+        return Threads(threads, checked_backend(backend))
+    from detumble.campaigns.cluster import Cluster
+
+    return Cluster(scheduler, local_cluster, backend)
+
+
+@contextmanager
+def _folder(out: str | os.PathLike[str] | None) -> Iterator[tuple[Path, TemporaryDirectory[str] | None]]:
+    """Give the folder of the runs, and what keeps it if it is a temporary one; that goes with a campaign that fails."""
+    if out is not None:
+        yield Path(out), None
+        return
+    temporary = TemporaryDirectory(prefix="detumble-")
+    try:
+        yield Path(temporary.name), temporary
+    except BaseException:
+        temporary.cleanup()
+        raise
+
+
+def _fly(
+    store: Store, crew: Crew, runs: int, until_ci: float | None, watcher: Watcher
+) -> tuple[Statistics, Effort]:
+    """Fly what is missing; shards are counted and written in their order, so that a campaign is whole up to some run."""
+    recipe = store.recipe
+    statistics = Statistics(recipe.parsed.time.control_period)
+    began, flown, ticks, lane_ticks = time.perf_counter(), 0, 0, 0
+    watcher.begin(runs)
+    for number, work in _in_order(store, crew, runs, watcher):
+        if isinstance(work, pl.DataFrame):
+            rows = work
+        else:
+            result = _awaited(work, lambda: watcher.now(statistics.runs + crew.landed(), flown + crew.landed(), statistics))
+            rows = frame_of(result.columns)
+            store.write(number, rows)
+            flown, ticks, lane_ticks = flown + rows.height, ticks + result.ticks, lane_ticks + result.lane_ticks
+        statistics.add(rows)
+        watcher.now(statistics.runs, flown, statistics)
+        if until_ci is not None and statistics.success.half_width <= until_ci:
+            break
+    return statistics, Effort(flown, ticks, lane_ticks, time.perf_counter() - began)
+
+
+def _in_order(
+    store: Store, crew: Crew, runs: int, watcher: Watcher
+) -> Iterator[tuple[int, Future[Flown] | pl.DataFrame]]:
+    """Give every shard in order: its rows if the folder has them, else the promise of them; a few are always in hand."""
+    recipe = store.recipe
+    ahead: deque[tuple[int, Future[Flown] | pl.DataFrame]] = deque()
+    for number in range(recipe.shards(runs)):
+        span = recipe.runs_of(number, runs)
+        rows = store.find(number, len(span), watcher.remark)
+        ahead.append((number, crew.submit(recipe, span.start, len(span)) if rows is None else rows))
+        if len(ahead) >= crew.ahead:
+            yield ahead.popleft()
+    yield from ahead
+
+
+def _awaited(work: Future[Flown], glance: Callable[[], None]) -> Flown:
+    while True:
+        try:
+            return work.result(_PATIENCE)
+        except TimeoutError:
+            glance()

@@ -1,0 +1,130 @@
+"""Some runs of a campaign, from its recipe to the rows of its table. The same rows wherever and however they are flown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from detumble.campaigns.draws import draw, drawn_scenario
+from detumble.campaigns.overlay import overlay
+from detumble.campaigns.rows import CODES, END_TIME, FAILURE, INDEX, SCALARS, SUCCEEDED, SUCCESS, cause, drawn_names
+from detumble.compiled import core
+from detumble.errors import RequestError, ScenarioError
+from detumble.scenario.core import case
+from detumble.scenario.dispersions.fitting import fields
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from detumble.campaigns.recipe import Recipe
+    from detumble.flight import Flight
+
+_CAUSES = np.full(max(CODES) + 1, None, dtype=object)
+_CAUSES[list(CODES)] = [cause(code) for code in CODES]
+
+
+@dataclass(frozen=True)
+class Flown:
+    """Runs that were flown.
+
+    Attributes:
+        columns: rows of the table, in order of index.
+        ticks: control ticks in these runs.
+        lane_ticks: ticks that the lanes went through meanwhile, idle ones too.
+    """
+
+    columns: dict[str, Any]
+    ticks: int
+    lane_ticks: int
+
+
+def fly_runs(
+    recipe: Recipe,
+    first: int,
+    count: int,
+    *,
+    threads: int = 1,
+    backend: str | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Flown:
+    """Fly runs `first` to `first + count - 1` of a campaign.
+
+    Args:
+        recipe: of the campaign.
+        first: index of the first run.
+        count: number of runs.
+        threads: to use.
+        backend: `portable`, `avx2`, `avx512`; None takes the core's choice.
+        progress: called now and then with the number of runs landed; an exception that it raises ends the work.
+
+    Raises:
+        ScenarioError: the scenario cannot be flown.
+    """
+    scenario = recipe.parsed
+    nominal = case(scenario, recipe.law, until_the_end=False)
+    drawn = draw(scenario, recipe.seed, first, count)
+    differing = overlay(scenario, recipe.law, drawn)
+    try:
+        flown = core().fly_many(nominal, differing, count, recipe.seed, first, threads, backend, False, progress)
+    except ValueError as error:
+        raise ScenarioError(scenario.title, problem=str(error)) from None
+
+    columns: dict[str, Any] = {INDEX.name: np.arange(first, first + count, dtype=np.uint64)}
+    shapes = fields()
+    for path, values in drawn.items():
+        rows = values.reshape(count, -1)
+        names = drawn_names(path, shapes[path].shape, rows.shape[1])
+        columns |= {name: rows[:, element] for element, name in enumerate(names)}
+    columns[SUCCEEDED.name] = flown["failure"] == SUCCESS
+    columns[FAILURE.name] = _CAUSES[flown["failure"]].tolist()
+    columns[END_TIME.name] = flown["end_time"]
+    columns |= {metric.key: flown[metric.source] for metric in SCALARS}
+    return Flown(columns, flown["ticks"], flown["lane_ticks"])
+
+
+def fly_again(recipe: Recipe, index: int, *, backend: str | None = None) -> Flight:
+    """Fly one run of a campaign again, bit for bit, and keep its full history.
+
+    Args:
+        recipe: of the campaign.
+        index: of the run.
+        backend: as in `fly_runs`.
+
+    Returns:
+        The flight; its scenario holds the drawn values.
+
+    Raises:
+        ScenarioError: the scenario cannot be flown.
+    """
+    from detumble.flight import flown
+
+    scenario = recipe.parsed
+    differing = overlay(scenario, recipe.law, draw(scenario, recipe.seed, index, 1))
+    numbers = case(scenario, recipe.law, until_the_end=False)
+    for path, row in differing.items():
+        _put(numbers, path, row[0].tolist())
+    own = drawn_scenario(scenario, recipe.seed, index)
+    return flown(own, recipe.law, recipe.seed, index, backend, numbers, list(differing))
+
+
+def _put(numbers: dict[str, Any], path: str, row: list[float]) -> None:
+    *tables, name = path.split(".")
+    for table in tables:
+        numbers = numbers[table]
+    if name.endswith("inertia"):
+        numbers[name] = [row[0:3], row[3:6], row[6:9]]
+    else:
+        numbers[name] = row if isinstance(numbers[name], list) else row[0]
+
+
+def checked_index(index: int, runs: int) -> int:
+    """Make sure that a campaign has a run.
+
+    Raises:
+        RequestError: it has no such run.
+    """
+    if not 0 <= index < runs:
+        raise RequestError(f"run {index}: the campaign has runs 0 to {runs - 1}")
+    return index

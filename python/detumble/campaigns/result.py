@@ -1,0 +1,98 @@
+"""What a campaign has shown, and the way back to its runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from detumble.campaigns.table import Runs
+
+if TYPE_CHECKING:
+    from pathlib import Path
+    from tempfile import TemporaryDirectory
+
+    from detumble.campaigns.recipe import Recipe
+    from detumble.campaigns.statistics import Statistics
+    from detumble.campaigns.store import Store
+    from detumble.flight import Flight
+
+
+@dataclass(frozen=True)
+class Effort:
+    """What it took to fly the runs that were not there before.
+
+    Attributes:
+        flown: runs.
+        ticks: control ticks in them.
+        lane_ticks: ticks that the lanes went through, idle ones too.
+        seconds: of wall time, writing included.
+    """
+
+    flown: int
+    ticks: int
+    lane_ticks: int
+    seconds: float
+
+    def to_json(self) -> dict[str, float | int | None]:
+        """Give rates as JSON takes them; None where nothing was flown."""
+        if not self.flown:
+            return {"rate_runs_per_s": None, "steps_per_s": None, "lane_use": None, "flown": 0, "wall_s": self.seconds}
+        return {
+            "rate_runs_per_s": self.flown / self.seconds,
+            "steps_per_s": (self.ticks - self.flown) / self.seconds,
+            "lane_use": self.ticks / self.lane_ticks,
+            "flown": self.flown,
+            "wall_s": self.seconds,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class CampaignResult:
+    """A campaign that has been flown.
+
+    Attributes:
+        store: its folder.
+        statistics: of all its runs.
+        effort: what it took.
+    """
+
+    store: Store
+    statistics: Statistics
+    effort: Effort
+    _kept: TemporaryDirectory[str] | None = field(default=None, repr=False)
+
+    @property
+    def folder(self) -> Path:
+        """Where the runs stand."""
+        return self.store.folder
+
+    @property
+    def recipe(self) -> Recipe:
+        """What was flown."""
+        return self.store.recipe
+
+    @cached_property
+    def runs(self) -> Runs:
+        """The table of runs: `lazy()`, `to_polars()`, `to_pandas()`, `to_xarray()`."""
+        return Runs(self.store, self.statistics.runs)
+
+    def replay(self, index: int, *, backend: str | None = None) -> Flight:
+        """Fly a run again, bit for bit, and keep its full history.
+
+        Args:
+            index: of the run.
+            backend: of the core; None takes its choice.
+
+        Raises:
+            RequestError: there is no such run.
+        """
+        from detumble.campaigns.flying import checked_index, fly_again
+
+        return fly_again(self.recipe, checked_index(index, self.statistics.runs), backend=backend)
+
+    def to_json(self) -> dict[str, Any]:
+        """Give everything in one object, as `detumble campaign --json` prints it."""
+        scenario = self.recipe.parsed
+        named = {"scenario": scenario.title, "law": self.recipe.law, "seed": self.recipe.seed}
+        return {**named, **self.statistics.to_json(), **self.effort.to_json(), "folder": str(self.folder)}

@@ -1,0 +1,132 @@
+"""`detumble campaign`: many runs of one scenario, its uncertain numbers drawn anew for each, and what they show."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from detumble.commands.arguments import folder
+from detumble.commands.printing import fixed, json_text, print_json, remark, table
+
+if TYPE_CHECKING:
+    from detumble.campaigns.result import CampaignResult
+    from detumble.campaigns.statistics import Statistics
+
+SHOWN = (
+    ("capture_time_s", "capture", "s", 1),
+    ("settling_time_s", "settling", "s", 1),
+    ("delta_v_m_s", "Δv", "m/s", 3),
+    ("delta_v_to_capture_m_s", "Δv to capture", "m/s", 3),
+)
+
+
+def campaign(
+    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")],
+    out: Annotated[Path, typer.Option(parser=folder, metavar="DIR", help="Folder of the campaign.")],
+    more: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")] = None,
+    law: Annotated[str, typer.Option(help="pd, lqr, sosmc, tsmc, prrl, or none for open loop.")] = "prrl",
+    runs: Annotated[int, typer.Option(help="Number of runs.")] = 1000,
+    seed: Annotated[int, typer.Option(help="Seed of all random numbers.")] = 0,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
+    ] = None,
+    threads: Annotated[int | None, typer.Option(help="Threads to use; all processors by default.")] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers fly: tcp://host:8786")
+    ] = None,
+    local_cluster: Annotated[
+        int | None, typer.Option(metavar="N", help="Start N Dask workers on this machine, and let them fly.")
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue the campaign in DIR.")] = False,
+    until_ci: Annotated[
+        float | None,
+        typer.Option(metavar="HALF_WIDTH", help="Stop once the success probability is known this well (95 %)."),
+    ] = None,
+    figures: Annotated[bool, typer.Option("--figures", help="Draw figures into DIR/figures.")] = False,
+    over: Annotated[
+        list[str] | None,
+        typer.Option("--map", metavar="COLUMN", help="Give it twice: the two columns of the success map."),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    backend: Annotated[str | None, typer.Option(help="portable, avx2 or avx512; else the core chooses.")] = None,
+) -> None:
+    """Fly a scenario many times and say how surely, how fast and at what cost it captures."""
+    from detumble.campaigns.campaign import campaign as fly
+    from detumble.commands.progress import Progress
+    from detumble.scenario.files import load, with_settings
+    from detumble.writing import write_text
+
+    chosen = load(scenario)
+    if settings or more:
+        chosen = with_settings(chosen, [*(settings or ()), *(more or ())], scenario)
+    with Progress(out) as progress:
+        result = fly(
+            chosen,
+            law,
+            runs,
+            seed,
+            out,
+            threads=threads,
+            scheduler=scheduler,
+            local_cluster=local_cluster,
+            resume=resume,
+            until_ci=until_ci,
+            backend=backend,
+            watcher=progress,
+        )
+    write_text(out / "summary.json", json_text(result.to_json()) + "\n")
+    drawn = result.figures(over=tuple(over or ())) if figures else []
+    if as_json:
+        print_json(result.to_json() | {"files": [str(file) for file in drawn]})
+    else:
+        print(_text(result))
+    for file in drawn:
+        remark(f"written: {file}")
+
+
+def _text(result: CampaignResult) -> str:
+    from detumble.scenario.laws import TITLES
+
+    statistics, recipe = result.statistics, result.recipe
+    success = statistics.success
+    lines = [
+        recipe.parsed.title,
+        f"{TITLES[recipe.law]}, seed {recipe.seed}, {statistics.runs} runs",
+        "",
+        f"success  {100 * success.share:.2f} %   95 % interval {100 * success.low:.2f} to {100 * success.high:.2f} %",
+    ]
+    lines += ["", _quantiles(statistics)]
+    if statistics.failures:
+        lines += ["", _failures(statistics)]
+    effort = result.effort.to_json()
+    if result.effort.flown:
+        lines += [
+            "",
+            f"{result.effort.flown} runs flown in {result.effort.seconds:.1f} s: {effort['rate_runs_per_s']:.4g} runs/s, "
+            f"{effort['steps_per_s']:.3g} steps/s, lanes {100 * (effort['lane_use'] or 0.0):.1f} % busy",
+        ]
+    return "\n".join(lines)
+
+
+def _quantiles(statistics: Statistics) -> str:
+    rows = [("", "runs", "5 %", "median", "95 %", "95 % interval of the median", "unit")]
+    for name, label, unit, decimals in SHOWN:
+        summary = statistics.summary(name)
+        if not summary.count:
+            continue
+        low, median, high = (summary.quantiles[percent] for percent in (5, 50, 95))
+        between = f"{fixed(median.low, decimals)} – {fixed(median.high, decimals)}"
+        values = (fixed(quantile.value, decimals) for quantile in (low, median, high))
+        rows.append((label, str(summary.count), *values, between, unit))
+    return table(rows)
+
+
+def _failures(statistics: Statistics) -> str:
+    rows = [("failures", "runs", "%", "95 % interval")]
+    for cause, share in statistics.failures.items():
+        interval = f"{100 * share.low:.3g} – {100 * share.high:.3g}"
+        rows.append((cause, str(share.count), f"{100 * share.share:.3g}", interval))
+    rows.append(("of these saturated over half of the time", str(statistics.saturated_failures), "", ""))
+    return table(rows)
