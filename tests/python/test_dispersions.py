@@ -155,7 +155,7 @@ REFUSED: list[tuple[list[Any], list[Any], str, str, str]] = [
     (only("capture.dwell", "uniform", low=1, high=2), [], f"{D0}.field", '"capture.dwell"', "is the same in every run"),
     (only("laws.none.segments", "normal", sigma=0.1), [], f"{D0}.field", '"laws.none.segments"', "open-loop segments"),
     (only("capture.speed", "normal", sigma=0.1), [], f"{D0}.field", '"capture.speed"', "is not given here; give it a value"),
-    (only("orbit.radius", "normal", sigma=0.1), [], f"{D0}.field", '"orbit.radius"', "or disperse orbit.altitude"),
+    (only("orbit.radius", "normal", sigma=0.1), [], f"{D0}.field", '"orbit.radius"', "value or disperse orbit.altitude"),
     (only("laws.prrl.stack.rotation.gain", "normal", sigma=0.1), [], f"{D0}.field", '"laws.prrl.stack.rotation.gain"', "is not"),
     ([MASS, MASS], [], "dispersions[1].field", '"chaser.mass"', "dispersed by dispersions[0] already"),
     (only("chaser.attitude", "normal", sigma=0.1), [], f"{D0}.distribution", '"normal"', "does not fit chaser.attitude; use att"),
@@ -410,6 +410,18 @@ def test_a_run_is_a_scenario_with_the_drawn_values_and_no_dispersions(dispersed:
     tensor = np.array(run.chaser.inertia)
     assert tensor[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]].tolist() == drawn["chaser.inertia"][7].tolist()
     assert np.array_equal(tensor, tensor.T)
+
+
+def test_a_run_flown_as_a_scenario_has_every_bit_of_its_draws(dispersed: Scenario) -> None:
+    drawn = draw(dispersed, 4, 0, 50)
+    for index in range(50):
+        run = case(drawn_scenario(dispersed, 4, index), "prrl")
+        assert run["chaser"]["mass"] == drawn["chaser.mass"][index]
+        assert run["start"]["chaser_attitude"] == drawn["chaser.attitude"][index].tolist()
+        assert run["start"]["debris_attitude"] == drawn["debris.attitude"][index].tolist()
+        assert run["start"]["debris_rate"] == drawn["debris.tumble_rate"][index].tolist()
+        xx, yy, zz, xy, xz, yz = drawn["debris.inertia"][index].tolist()
+        assert run["debris"]["inertia"] == [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
 
 
 def test_one_number_for_all_axes_stays_one(paper: Scenario) -> None:

@@ -70,6 +70,6 @@ def tensor(inertia: Sequence[Any]) -> list[list[float]]:
 
 
 def unit(quaternion: Sequence[float]) -> list[float]:
-    """Normalise a quaternion; shape (4,)."""
+    """Normalise a quaternion, shape (4,); one that is unit to rounding stays as it is, so drawn ones fly to the bit."""
     norm = math.hypot(*quaternion)
-    return [component / norm for component in quaternion]
+    return [component / norm for component in quaternion] if abs(norm - 1.0) > 1e-15 else list(quaternion)

@@ -88,7 +88,7 @@ fn eigen(mut a: Matrix) -> ([f64; 3], Matrix) {
         for row in &mut a {
             (row[p], row[q]) = turned(row[p], row[q]);
         }
-        for k in 0..3 {
+        for k in [0, 1, 2] {
             (a[p][k], a[q][k]) = turned(a[p][k], a[q][k]);
         }
         (a[p][q], a[q][p]) = (0.0, 0.0);

@@ -62,6 +62,8 @@ def target(path: str, at: At) -> Target:
         Misfit: there is no such field, or nothing to disperse.
         Unread: its value cannot be read.
     """
+    from detumble.scenario.model import Scenario
+
     quantity = fields().get(path)
     if quantity is None:
         raise Misfit("field", _not_dispersible(path))
@@ -72,17 +74,10 @@ def target(path: str, at: At) -> Target:
     if nominal is None and section == "belief":
         nominal = design(name, at)
     if nominal is None:
-        rivals = [f"{section}.{other}" for other in _owner(section).rivals(name)]
-        raise Misfit(
-            "field", " or ".join(["is not given here; give it a value", *(f"disperse {rival}" for rival in rivals)])
-        )
+        owner = section_at(Scenario, tuple(section.split(".")))
+        rivals = "".join(f" or disperse {section}.{other}" for other in (owner.rivals(name) if owner else ()))
+        raise Misfit("field", f"is not given here; give it a value{rivals}")
     return Target(path, quantity, nominal)
-
-
-def _owner(path: str) -> type[Section]:
-    from detumble.scenario.model import Scenario
-
-    return section_at(Scenario, tuple(path.split("."))) or Scenario
 
 
 def _not_dispersible(path: str) -> str:
