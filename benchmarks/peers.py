@@ -24,7 +24,7 @@ from peers.environment import machine, peers_python
 from peers.process import Peer, PeerFailed
 from peers.ways import PEERS, TITLES, TOLERANCES, WAYS
 
-from detumble.commands.printing import json_text, remark, table
+from detumble.commands.printing import json_text, remark
 from detumble.errors import RequestError
 from detumble.workload import random_starts, workload
 from detumble.writing import write_text
@@ -93,7 +93,13 @@ class Session:
     def start_up(self, repetitions: int) -> dict[str, measure.StartUp]:
         """Measure everyone's way to a first result."""
         remark("measuring start-up ...")
-        return {name: measure.start_up(partial(self.peer, name, 1), repetitions) for name in self.present()}
+        taken = {}
+        for name in self.present():
+            try:
+                taken[name] = measure.start_up(partial(self.peer, name, 1), repetitions)
+            except PeerFailed as failure:
+                self.absent[name] = str(failure)
+        return taken
 
     def growth(self, rates: dict[str, measure.Rate], sizes: list[int], budget: float) -> dict[str, list[measure.Point]]:
         """Fly more and more trajectories: detumble by its command, the peers from arrays to arrays."""
@@ -128,13 +134,27 @@ def arguments(given: list[str]) -> argparse.Namespace:
     return parser.parse_args(given)
 
 
+def table(rows: list[tuple[str, ...]]) -> str:
+    """Write a table as the documentation has it; the first row names the columns."""
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    lines = [
+        [
+            cell.rjust(width) if column else cell.ljust(width)
+            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        for row in rows
+    ]
+    lines.insert(1, ["-" * (width - 1) + (":" if column else "-") for column, width in enumerate(widths)])
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
 def print_agreement(checks: list[agreement.Check]) -> None:
-    """Say how well the peers agree."""
+    """Say how far the peers are from detumble."""
     for check in checks:
         figures = ", ".join(f"{name} {value:.1g}" for name, value in check.figures.items())
         print(f"{TITLES[check.peer]}, {check.what}: {'; '.join(check.faults) or 'agrees'} ({figures})")
-        if check.what == "no noise":
-            print(f"    allowed: {TOLERANCES[check.peer].why}")
+        if check.faults and check.what == "no noise":
+            print(f"    expected: {TOLERANCES[check.peer].why}")
 
 
 def print_rates(rates: dict[str, measure.Rate]) -> None:
@@ -165,19 +185,21 @@ def print_start_up(start_up: dict[str, measure.StartUp]) -> None:
 
 
 def print_growth(growth: dict[str, list[measure.Point]]) -> None:
-    """Print seconds and memory of each number of trajectories, and what was not run."""
+    """Print seconds and memory of each number of trajectories."""
     if not growth:
         return
     sizes = [point.runs for point in next(iter(growth.values()))]
     rows = [("trajectories", *(f"{size:,}" for size in sizes))]
     for label, points in growth.items():
-        cells = ("not run" if p.seconds is None else f"{p.seconds:.3g} s, {megabytes(p.peak_bytes)} MB" for p in points)
-        rows.append((label, *cells))
+        rows.append((label, *(grown(point) for point in points)))
     print(table(rows))
-    for label, points in growth.items():
-        for point in points:
-            if point.seconds is None:
-                print(f"not run: {label}, {point.runs:,}: would take ~{point.expected:.2g} s")
+
+
+def grown(point: measure.Point) -> str:
+    """Write one number of trajectories."""
+    if point.seconds is None:
+        return f"not run: would take ~{point.expected:.2g} s"
+    return f"{point.seconds:.3g} s, {megabytes(point.peak_bytes)} MB"
 
 
 def megabytes(size: int | None) -> str:
@@ -190,6 +212,7 @@ def main() -> int:
     asked = arguments(sys.argv[1:])
     host = machine()
     print(f"{host['processor']}, {host['cores']} cores, {host['date']}; load {host['load_before']}")
+    print(f"detumble {host['detumble']}, {', '.join(host['peers'])}\n")
     with tempfile.TemporaryDirectory() as folder:
         session = Session(asked.only, peers_python(asked.python), Path(folder))
         checks = session.agree()

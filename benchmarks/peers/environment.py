@@ -70,5 +70,7 @@ def machine() -> dict[str, Any]:
         "load_before": round(os.getloadavg()[0], 2),
         "date": date.today().isoformat(),
         "detumble": detumble.__version__,
-        "peers": [line for line in REQUIREMENTS.read_text().splitlines() if line.startswith(MEASURED)],
+        "peers": [
+            line.partition(" ;")[0] for line in REQUIREMENTS.read_text().splitlines() if line.startswith(MEASURED)
+        ],
     }

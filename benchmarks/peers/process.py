@@ -18,7 +18,7 @@ FOLDER = Path(__file__).parent
 
 
 class PeerFailed(Exception):
-    """A peer that cannot be run here, or ended before it answered; the message is the last thing that it said."""
+    """A peer that cannot be run here, or not so; the message is the last thing that it said."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class Peer:
             keep: whether what was flown is wanted.
 
         Raises:
-            PeerFailed: it ended instead.
+            PeerFailed: it cannot, or has ended.
         """
         given, flown = self.folder / "starts.npy", self.folder / "flown.npz"
         np.save(given, starts)
@@ -91,6 +91,8 @@ class Peer:
         if not line:
             raise PeerFailed(self._last_words())
         answer = json.loads(line)
+        if "error" in answer:
+            raise PeerFailed(answer["error"])
         arrays = {}
         if keep:
             with np.load(flown) as stored:

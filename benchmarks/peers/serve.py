@@ -7,7 +7,7 @@ The first line holds detumble's case of workload W. Each line after it asks for 
     {"call": "w", "starts": FILE.npy, "noisy": true, "seed": 1, "out": FILE.npz or null}
 
 and is answered by `{"seconds": s, "peak_bytes": b}`, the time of the call alone and the most memory the process has
-held so far. What goes wrong ends the process with a traceback on stderr.
+held so far, or by `{"error": "..."}`.
 """
 
 from __future__ import annotations
@@ -47,7 +47,11 @@ def serve(calls_of: Callable[[dict[str, Any]], dict[str, Fly]]) -> None:
         request = json.loads(line)
         starts = np.load(request["starts"])
         begin = time.perf_counter()
-        result = calls[request["call"]](starts, request["noisy"], request["seed"])
+        try:
+            result = calls[request["call"]](starts, request["noisy"], request["seed"])
+        except Exception as error:
+            print(json.dumps({"error": f"{type(error).__name__}: {error}"}), file=answers)
+            continue
         seconds = time.perf_counter() - begin
         if request["out"]:
             np.savez(request["out"], **result)

@@ -45,10 +45,18 @@ class Workload:
         Raises:
             ValueError: the case asks for something that the peers' implementations leave out.
         """
-        plan, law, sensors = case["plan"], case["law"], case["sensors"]
-        switched_on = [name for name, value in plan.items() if value is True]
-        if switched_on or law["kind"] != "prrl" or law["form"] != "printed" or sensors["velocity"] != 0.0:
-            raise ValueError(f"not workload W: {law['kind']}, {law['form']}, {switched_on}, {sensors}")
+        plan, law, sensors, actuators = case["plan"], case["law"], case["sensors"], case["actuators"]
+        beyond = {name: value for name, value in plan.items() if value is True} | {
+            "end": plan["end"] if plan["end"] != "duration" else None,
+            "law": law if (law["kind"], law["form"]) != ("prrl", "printed") else None,
+            "velocity noise": sensors["velocity"],
+            "actuators' errors": [
+                gain - 1.0 for gain in actuators["force_gain"] + actuators["torque_gain"] if gain != 1.0
+            ],
+            "belief": any(case["belief"][f"chaser_{name}"] != case["chaser"][name] for name in ("mass", "inertia")),
+        }
+        if any(beyond.values()):
+            raise ValueError(f"not workload W: { ({name: value for name, value in beyond.items() if value}) }")
         x, y, z = case["goal"]["position"]
         return cls(
             mean_motion=case["orbit"]["mean_motion"],
@@ -58,8 +66,8 @@ class Workload:
             debris_inertia=_principal(case["debris"]["inertia"]),
             translation=_gains(law["before"]["translation"]),
             rotation=_gains(law["before"]["rotation"]),
-            force_limit=_on_every_axis(case["actuators"]["force"]),
-            torque_limit=_on_every_axis(case["actuators"]["torque"]),
+            force_limit=_on_every_axis(actuators["force"]),
+            torque_limit=_on_every_axis(actuators["torque"]),
             position_sigma=sensors["position"],
             attitude_sigma=sensors["attitude"],
             rate_sigma=sensors["rate"],

@@ -51,7 +51,14 @@ def start_columns(starts: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]
     Args:
         starts: as `random_starts` gives them, shape (n, 20).
     """
-    parts = {"position": 3, "velocity": 3, "chaser_attitude": 4, "chaser_rate": 3, "debris_attitude": 4, "debris_rate": 3}
+    parts = {
+        "position": 3,
+        "velocity": 3,
+        "chaser_attitude": 4,
+        "chaser_rate": 3,
+        "debris_attitude": 4,
+        "debris_rate": 3,
+    }
     edges = np.cumsum([0, *parts.values()])
     return {
         f"start.{name}": np.ascontiguousarray(starts[:, first:last])

@@ -28,9 +28,8 @@ from detumble.scenario.model import Scenario
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from concurrent.futures import Future
 
-    from detumble.campaigns.crews import Crew
+    from detumble.campaigns.crews import Crew, Promise
     from detumble.campaigns.flying import Flown
 
 _PATIENCE = 0.1
@@ -159,35 +158,36 @@ def _folder(out: str | os.PathLike[str] | None) -> Iterator[tuple[Path, Temporar
         raise
 
 
-def _fly(
-    store: Store, crew: Crew, runs: int, until_ci: float | None, watcher: Watcher
-) -> tuple[Statistics, Effort]:
+def _fly(store: Store, crew: Crew, runs: int, until_ci: float | None, watcher: Watcher) -> tuple[Statistics, Effort]:
     """Fly what is missing; shards are counted and written in their order, so that a campaign is whole up to some run."""
-    recipe = store.recipe
-    statistics = Statistics(recipe.parsed.time.control_period)
-    began, flown, ticks, lane_ticks = time.perf_counter(), 0, 0, 0
+    statistics = Statistics(store.recipe.parsed.time.control_period)
+    effort = Effort()
+    began = time.perf_counter()
     watcher.begin(runs)
+
+    def tell() -> None:
+        watcher.now(statistics.runs + crew.landed(), effort.flown + crew.landed(), statistics)
+
     for number, work in _in_order(store, crew, runs, watcher):
         if isinstance(work, pl.DataFrame):
             rows = work
         else:
-            result = _awaited(work, lambda: watcher.now(statistics.runs + crew.landed(), flown + crew.landed(), statistics))
-            rows = frame_of(result.columns)
+            flown = _awaited(work, tell)
+            rows = frame_of(flown.columns)
             store.write(number, rows)
-            flown, ticks, lane_ticks = flown + rows.height, ticks + result.ticks, lane_ticks + result.lane_ticks
+            effort.count(rows.height, flown.ticks, flown.lane_ticks)
         statistics.add(rows)
-        watcher.now(statistics.runs, flown, statistics)
+        tell()
         if until_ci is not None and statistics.success.half_width <= until_ci:
             break
-    return statistics, Effort(flown, ticks, lane_ticks, time.perf_counter() - began)
+    effort.seconds = time.perf_counter() - began
+    return statistics, effort
 
 
-def _in_order(
-    store: Store, crew: Crew, runs: int, watcher: Watcher
-) -> Iterator[tuple[int, Future[Flown] | pl.DataFrame]]:
+def _in_order(store: Store, crew: Crew, runs: int, watcher: Watcher) -> Iterator[tuple[int, Promise | pl.DataFrame]]:
     """Give every shard in order: its rows if the folder has them, else the promise of them; a few are always in hand."""
     recipe = store.recipe
-    ahead: deque[tuple[int, Future[Flown] | pl.DataFrame]] = deque()
+    ahead: deque[tuple[int, Promise | pl.DataFrame]] = deque()
     for number in range(recipe.shards(runs)):
         span = recipe.runs_of(number, runs)
         rows = store.find(number, len(span), watcher.remark)
@@ -197,7 +197,7 @@ def _in_order(
     yield from ahead
 
 
-def _awaited(work: Future[Flown], glance: Callable[[], None]) -> Flown:
+def _awaited(work: Promise, glance: Callable[[], None]) -> Flown:
     while True:
         try:
             return work.result(_PATIENCE)

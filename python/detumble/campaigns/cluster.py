@@ -10,7 +10,7 @@ from detumble.compiled import core
 from detumble.errors import RequestError
 
 if TYPE_CHECKING:
-    from concurrent.futures import Future
+    from detumble.campaigns.crews import Promise
 
 WORKER_LOSSES = 1000
 """Workers that may die over one shard before it is given up; Dask's own default is 3."""
@@ -32,19 +32,21 @@ class Cluster:
     def __init__(self, scheduler: str | None, workers: int | None, backend: str | None) -> None:
         try:
             import dask
-            from distributed import Client, LocalCluster
+            import distributed
         except ImportError:
             raise RequestError("Dask is not installed; install detumble[cluster]") from None
         self._backend = backend
         self._wide = backend != "portable" and "avx2" in core().backends()
-        self._local = None
+        self._local: Any = None
         if scheduler is None:
             with dask.config.set({"distributed.scheduler.allowed-failures": WORKER_LOSSES}):
-                self._local = LocalCluster(
+                self._local = distributed.LocalCluster(  # type: ignore[no-untyped-call]  # Dask has no types here
                     n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, silence_logs=50
                 )
         try:
-            self._client = Client(self._local or scheduler, timeout=_CONNECT_SECONDS)
+            self._client: Any = distributed.Client(  # type: ignore[no-untyped-call]  # likewise
+                self._local or scheduler, timeout=_CONNECT_SECONDS
+            )
         except (OSError, ValueError) as error:
             raise RequestError(f"scheduler {scheduler}: cannot be reached: {error}") from None
 
@@ -53,12 +55,13 @@ class Cluster:
         """Three shards for each worker: one that it flies, one that it has, one on its way back."""
         return 3 * max(1, len(self._client.nthreads()))
 
-    def submit(self, recipe: Recipe, first: int, count: int) -> Future[Flown]:
+    def submit(self, recipe: Recipe, first: int, count: int) -> Promise:
         """Have runs flown by a worker; one that dies over them is replaced by another."""
-        future: Future[Flown] = self._client.submit(
-            fly_shard, recipe.to_dict(), first, count, self._backend, self._wide, key=f"{recipe.identity}-{first}", retries=0
+        key = f"{recipe.identity}-{first}"
+        promise: Promise = self._client.submit(
+            fly_shard, recipe.to_dict(), first, count, self._backend, self._wide, key=key
         )
-        return future
+        return promise
 
     def landed(self) -> int:
         """Nothing is known of shards in progress."""
@@ -67,7 +70,11 @@ class Cluster:
     def about(self) -> dict[str, object]:
         """Tell who flies."""
         workers = len(self._client.nthreads())
-        return {"backend": self._backend or "each worker's best", "workers": workers, "address": self._client.scheduler.address}
+        return {
+            "backend": self._backend or "each worker's best",
+            "workers": workers,
+            "address": self._client.scheduler.address,
+        }
 
     def close(self) -> None:
         """Drop what is not finished, and stop the workers that were started here."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Protocol
 
 from detumble.campaigns.flying import Flown, fly_runs
@@ -15,14 +15,24 @@ if TYPE_CHECKING:
     from detumble.campaigns.recipe import Recipe
 
 
+class Promise(Protocol):
+    """Runs that are being flown."""
+
+    def result(self, timeout: float | None = None) -> Flown:
+        """Wait for them; TimeoutError when that takes longer than `timeout` seconds."""
+        ...
+
+
 class Crew(Protocol):
     """Flies shards, several at a time."""
 
-    ahead: int
-    """Shards to have in hand at once, so that nobody waits."""
+    @property
+    def ahead(self) -> int:
+        """Shards to have in hand at once, so that nobody waits."""
+        ...
 
-    def submit(self, recipe: Recipe, first: int, count: int) -> Future[Flown]:
-        """Have runs flown; the future's `result` waits for them."""
+    def submit(self, recipe: Recipe, first: int, count: int) -> Promise:
+        """Have runs flown."""
         ...
 
     def landed(self) -> int:
@@ -50,8 +60,6 @@ class Threads:
         backend: of the core.
     """
 
-    ahead = 2
-
     def __init__(self, threads: int | None, backend: str | None) -> None:
         self.threads = threads or available_threads()
         self.backend = backend
@@ -59,16 +67,19 @@ class Threads:
         self._stopping = False
         self._landed = 0
 
-    def submit(self, recipe: Recipe, first: int, count: int) -> Future[Flown]:
+    @property
+    def ahead(self) -> int:
+        """One shard flies while the one before is written."""
+        return 2
+
+    def submit(self, recipe: Recipe, first: int, count: int) -> Promise:
         """Have runs flown once those before them are."""
         return self._pool.submit(self._fly, recipe, first, count)
 
     def _fly(self, recipe: Recipe, first: int, count: int) -> Flown:
         try:
             self._glance(0)
-            return fly_runs(
-                recipe, first, count, threads=self.threads, backend=self.backend, progress=self._glance
-            )
+            return fly_runs(recipe, first, count, threads=self.threads, backend=self.backend, progress=self._glance)
         finally:
             self._landed = 0
 

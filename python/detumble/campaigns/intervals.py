@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -85,10 +86,12 @@ def quantile_ranks(runs: int, probability: float, confidence: float = 0.95) -> t
     Returns:
         Ranks l and u counted from 1. l = 0 and u = runs + 1 are no value: too few were drawn to bound that side.
     """
-    from scipy.stats import binom  # type: ignore[import-untyped]  # slow to import
+    from scipy.special import bdtr, bdtrc  # scipy.stats would take fifty megabytes more
 
-    tail = 0.5 * (1.0 - confidence)
-    return int(binom.ppf(tail, runs, probability)), int(binom.isf(tail, runs, probability)) + 1
+    tail, counts = 0.5 * (1.0 - confidence), range(runs + 1)
+    low = bisect_left(counts, tail, key=lambda count: float(bdtr(count, runs, probability)))
+    high = bisect_left(counts, -tail, key=lambda count: -float(bdtrc(count, runs, probability)))
+    return low, high + 1
 
 
 def dkw_half_width(runs: int, confidence: float = 0.95) -> float:

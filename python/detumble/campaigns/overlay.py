@@ -80,8 +80,8 @@ def _on_axes(path: str, values: Array) -> Array:
 
 
 def _mean_motion(scenario: Scenario, drawn: Mapping[str, Array]) -> Array:
-    def field(name: str) -> Array | float:
-        return drawn.get(f"orbit.{name}", getattr(scenario.orbit, name))
+    def field(name: str) -> Array:
+        return drawn.get(f"orbit.{name}", np.asarray(getattr(scenario.orbit, name)))
 
     radius = field("radius") if scenario.orbit.radius is not None else field("earth_radius") + field("altitude")
     return np.asarray(np.sqrt(field("mu") / (radius * radius * radius)))
@@ -93,7 +93,9 @@ def _gains(scenario: Scenario, law: str, path: str) -> list[str]:
     if owner != law:
         return []
     if rest == "alpha":
-        return [f"law.{phase}.{channel}.alpha" for phase in ("before", "after") for channel in ("translation", "rotation")]
+        return [
+            f"law.{phase}.{channel}.alpha" for phase in ("before", "after") for channel in ("translation", "rotation")
+        ]
     if rest.startswith("stack."):
         return [f"law.after.{rest.removeprefix('stack.')}"]
     stack = getattr(scenario.laws, law).stack

@@ -6,8 +6,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from detumble.campaigns.table import Runs
-
 if TYPE_CHECKING:
     from pathlib import Path
     from tempfile import TemporaryDirectory
@@ -15,10 +13,11 @@ if TYPE_CHECKING:
     from detumble.campaigns.recipe import Recipe
     from detumble.campaigns.statistics import Statistics
     from detumble.campaigns.store import Store
+    from detumble.campaigns.table import Runs
     from detumble.flight import Flight
 
 
-@dataclass(frozen=True)
+@dataclass
 class Effort:
     """What it took to fly the runs that were not there before.
 
@@ -29,10 +28,16 @@ class Effort:
         seconds: of wall time, writing included.
     """
 
-    flown: int
-    ticks: int
-    lane_ticks: int
-    seconds: float
+    flown: int = 0
+    ticks: int = 0
+    lane_ticks: int = 0
+    seconds: float = 0.0
+
+    def count(self, flown: int, ticks: int, lane_ticks: int) -> None:
+        """Add what a shard took."""
+        self.flown += flown
+        self.ticks += ticks
+        self.lane_ticks += lane_ticks
 
     def to_json(self) -> dict[str, float | int | None]:
         """Give rates as JSON takes them; None where nothing was flown."""
@@ -75,6 +80,8 @@ class CampaignResult:
     @cached_property
     def runs(self) -> Runs:
         """The table of runs: `lazy()`, `to_polars()`, `to_pandas()`, `to_xarray()`."""
+        from detumble.campaigns.table import Runs  # brings xarray and pandas
+
         return Runs(self.store, self.statistics.runs)
 
     def replay(self, index: int, *, backend: str | None = None) -> Flight:

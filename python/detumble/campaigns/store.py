@@ -24,16 +24,14 @@ import polars as pl
 from detumble import __version__
 from detumble.campaigns.manifest import FORMAT, MANIFEST, Manifest, differences, read_manifest
 from detumble.campaigns.rows import INDEX
-from detumble.campaigns.shard import Damage, decode, encode, frame_of
+from detumble.campaigns.shard import Damage, decode, encode
 from detumble.errors import RequestError
 from detumble.writing import output_folder, reason, whole_file
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Mapping
     from types import TracebackType
     from typing import Self
-
-    from numpy.typing import NDArray
 
     from detumble.campaigns.recipe import Recipe
 

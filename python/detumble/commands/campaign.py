@@ -118,8 +118,8 @@ def _quantiles(statistics: Statistics) -> str:
             continue
         low, median, high = (summary.quantiles[percent] for percent in (5, 50, 95))
         between = f"{fixed(median.low, decimals)} – {fixed(median.high, decimals)}"
-        values = (fixed(quantile.value, decimals) for quantile in (low, median, high))
-        rows.append((label, str(summary.count), *values, between, unit))
+        five, half, ninety_five = (fixed(quantile.value, decimals) for quantile in (low, median, high))
+        rows.append((label, str(summary.count), five, half, ninety_five, between, unit))
     return table(rows)
 
 

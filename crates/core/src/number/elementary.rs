@@ -4,8 +4,8 @@
 //! fdlibm (Sun Microsystems 1993: `e_log.c`, `k_sin.c`, `k_cos.c`, `e_rem_pio2.c`), and Taylor for exp.
 //! Where plain rounding would show in the result, the rounding error is computed too and carried along.
 //!
-//! Greatest difference from the standard library in the tests beside this file, with fused `mul_add` or without: exp and
-//! powf 1 unit in the last place, the others 2.
+//! Greatest difference from the standard library in the tests beside this file, with fused `mul_add` or without: exp 1 unit
+//! in the last place, powf 2 for exponents up to 1 and two more for each unit beyond, the others 2.
 
 use super::real::{Bits, Real};
 
