@@ -15,7 +15,7 @@ import sys
 import numpy as np
 from numpy.typing import NDArray
 
-from detumble.analysis.bound import minimum_capture_time, start_of
+from detumble.analysis.bound import minimum_capture_time
 from detumble.compiled import core
 from detumble.scenario import LAWS, Scenario, load
 from detumble.scenario.core import case
@@ -30,9 +30,7 @@ LATEST = 0.8
 
 def fly(scenario: Scenario, law: str, flights: int) -> dict[str, NDArray[np.float64]]:
     """Fly the scenario's start so many times; the first flight is that of seed 0. Gives the core's summary by name."""
-    recipe = case(scenario, law)
-    starts = np.ascontiguousarray(np.tile(start_of(recipe), (flights, 1)))
-    flown: dict[str, NDArray[np.float64]] = core().fly_starts(recipe, starts, 0, 0, 1, None, False)
+    flown: dict[str, NDArray[np.float64]] = core().fly_many(case(scenario, law), {}, flights)
     return flown
 
 

@@ -78,8 +78,8 @@ def rates(peers: dict[tuple[str, int], Peer], periods: int, rounds: int, failed:
         pairs = zip(results[ours].steps_per_s, rate.steps_per_s, strict=True)
         rate.ratio = statistics.median(a / b for a, b in pairs)
         if way.whole and way.threads == 1:
-            pairs = zip(rate.steps_per_s, peaks[1:], strict=True)
-            rate.fma_share = statistics.median(FLOP_PER_STEP * a / b for a, b in pairs)
+            # The best of the rounds: a peak is what is never exceeded.
+            rate.fma_share = statistics.median(rate.steps_per_s) * FLOP_PER_STEP / max(peaks)
     return results
 
 
@@ -132,7 +132,7 @@ def growth(
 
     Args:
         fly: flies so many, gives seconds and the most memory held.
-        rate: steps per second, as measured; later points are expected from the last one flown.
+        rate: steps per second, as measured.
         periods: of a flight.
         sizes: numbers of trajectories, ascending.
         budget: for one point [s].
@@ -141,14 +141,17 @@ def growth(
         PeerFailed: it ended instead.
     """
     points = []
+    done, spent, each = 0, 0.0, periods / rate
     for runs in sizes:
-        expected = runs * periods / rate
+        expected = spent + (runs - done) * each  # what was spent before holds what does not grow, such as start-up
         if expected > budget:
             points.append(Point(runs, expected))
             continue
         seconds, peak = fly(runs)
         points.append(Point(runs, expected, seconds, peak))
-        rate = runs * periods / seconds
+        if done:
+            each = (seconds - spent) / (runs - done)
+        done, spent = runs, seconds
     return points
 
 

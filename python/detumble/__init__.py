@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from detumble.campaigns.campaign import campaign
+    from detumble.campaigns.result import CampaignResult, read_campaign
     from detumble.errors import RequestError, ScenarioError
     from detumble.flight import Flight, read_netcdf, simulate
     from detumble.scenario import LAWS, Scenario, load
@@ -25,11 +26,13 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "LAWS": ("detumble.scenario.laws", "LAWS"),
+    "CampaignResult": ("detumble.campaigns.result", "CampaignResult"),
     "Flight": ("detumble.flight", "Flight"),
     "RequestError": ("detumble.errors", "RequestError"),
     "Scenario": ("detumble.scenario.model", "Scenario"),
     "ScenarioError": ("detumble.errors", "ScenarioError"),
     "campaign": ("detumble.campaigns.campaign", "campaign"),
+    "read_campaign": ("detumble.campaigns.result", "read_campaign"),
     "load": ("detumble.scenario.files", "load"),
     "read_netcdf": ("detumble.flight", "read_netcdf"),
     "scenarios": ("detumble.scenario.files", "built_in"),
@@ -38,6 +41,7 @@ _HOMES = {
 
 __all__ = [
     "LAWS",
+    "CampaignResult",
     "Flight",
     "RequestError",
     "Scenario",
@@ -45,6 +49,7 @@ __all__ = [
     "__version__",
     "campaign",
     "load",
+    "read_campaign",
     "read_netcdf",
     "scenarios",
     "simulate",

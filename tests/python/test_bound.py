@@ -346,14 +346,16 @@ def test_chaser_grasp_point_only_widens_the_threshold():
 def test_no_law_beats_the_minimum_time_in_1000_random_starts():
     detumble, core = pytest.importorskip("detumble"), pytest.importorskip("detumble._core")
     from detumble.scenario.core import case
+    from detumble.workload import start_columns
 
     scenario = detumble.load("paper")
     starts = random_starts(np.random.default_rng(8), 1000, 1.5, drift=0.02, tumble_rate=0.05)
     pursuit = Pursuit.of(case(scenario, "none"))
     bounds = minimum_capture_times(pursuit, starts)
     assert np.isfinite(bounds).all()
+    columns = start_columns(starts)
     for law in detumble.LAWS:
-        flown = core.fly_starts(case(scenario, law), starts, 1, 0, 2, None, False)["capture_time"]
+        flown = core.fly_many(case(scenario, law), columns, len(starts), 1, threads=2)["capture_time"]
         assert np.isfinite(flown).any()
         assert not (flown < bounds - 1e-9).any()
     lead = minimum_capture_time(scenario)

@@ -6,13 +6,16 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from detumble.campaigns.statistics import Statistics
+from detumble.campaigns.store import Store
+from detumble.errors import RequestError
+
 if TYPE_CHECKING:
+    import os
     from pathlib import Path
     from tempfile import TemporaryDirectory
 
     from detumble.campaigns.recipe import Recipe
-    from detumble.campaigns.statistics import Statistics
-    from detumble.campaigns.store import Store
     from detumble.campaigns.table import Runs
     from detumble.flight import Flight
 
@@ -50,6 +53,29 @@ class Effort:
             "flown": self.flown,
             "wall_s": self.seconds,
         }
+
+
+def read_campaign(folder: str | os.PathLike[str]) -> CampaignResult:
+    """Read a campaign back, finished or not: the runs from the first on, as far as they are there without a gap.
+
+    Args:
+        folder: that it was flown into.
+
+    Raises:
+        RequestError: there is no campaign, or none of its runs can be read.
+    """
+    store = Store.open(folder)
+    statistics = Statistics(store.recipe.parsed.time.control_period)
+    for number in range(store.recipe.shards(store.runs)):
+        rows = store.find(number, 1, lambda _: None, all_rows=True)
+        if rows is None:
+            break
+        statistics.add(rows)
+        if rows.height < store.recipe.shard:
+            break
+    if not statistics.runs:
+        raise RequestError(f"{store.path(0)}: missing or damaged; --resume flies it")
+    return CampaignResult(store, statistics, Effort())
 
 
 @dataclass(frozen=True, eq=False)

@@ -174,13 +174,16 @@ class Store:
             raise RequestError(f"{self.path(number)}: damaged: {why}; --resume flies it again") from None
         return frame if columns is None else frame.select(columns)
 
-    def find(self, number: int, needed: int, remark: Callable[[str], None]) -> pl.DataFrame | None:
+    def find(
+        self, number: int, needed: int, remark: Callable[[str], None], *, all_rows: bool = False
+    ) -> pl.DataFrame | None:
         """Look for a shard and check it to the bit.
 
         Args:
             number: of the shard.
             needed: rows that are asked for.
             remark: is told of a shard that is damaged.
+            all_rows: give those beyond what is asked for too.
 
         Returns:
             Its first rows; None where it is missing, damaged, or of a shorter campaign.
@@ -192,7 +195,9 @@ class Store:
         except Damage as why:
             remark(f"{self.path(number)}: damaged: {why}; it is flown again")
             return None
-        return found.head(needed) if found.height >= needed else None
+        if found.height < needed:
+            return None
+        return found if all_rows else found.head(needed)
 
     def check(self, runs: int, progress: Callable[[int, pl.DataFrame | None], None] | None = None) -> Checked:
         """Check to the bit which shards are there, one at a time.

@@ -9,6 +9,7 @@ import typer
 
 from detumble.commands.arguments import folder
 from detumble.commands.printing import cell, json_text, print_json, remark, table
+from detumble.errors import RequestError
 
 if TYPE_CHECKING:
     from detumble.flight import Flight
@@ -18,10 +19,13 @@ ALWAYS_SHOWN = ("capture_time", "settling_time")
 
 
 def run(
-    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")],
+    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")] = "",
     more: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")] = None,
     law: Annotated[str, typer.Option(help="pd, lqr, sosmc, tsmc, prrl, or none for open loop.")] = "prrl",
     seed: Annotated[int, typer.Option(help="Seed of the sensor noise.")] = 0,
+    replay: Annotated[
+        str, typer.Option(metavar="DIR:INDEX", help="Fly a run of a campaign again, instead of a scenario.")
+    ] = "",
     settings: Annotated[
         list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
     ] = None,
@@ -36,11 +40,16 @@ def run(
     from detumble.scenario.files import load, with_settings
     from detumble.writing import output_folder
 
-    chosen = load(scenario)
-    if settings or more:
-        chosen = with_settings(chosen, [*(settings or ()), *(more or ())], scenario)
+    changes = [*(settings or ()), *(more or ())]
+    if bool(scenario) == bool(replay):
+        raise RequestError("run: needs either a scenario or --replay DIR:INDEX")
     with output_folder(out):
-        flight = simulate(chosen, law, seed, backend=backend)
+        if replay:
+            flight = _again(replay, changes, backend)
+        else:
+            chosen = load(scenario)
+            chosen = with_settings(chosen, changes, scenario) if changes else chosen
+            flight = simulate(chosen, law, seed, backend=backend)
         files = _write(flight, out) if out else []
     if as_json:
         print_json(_json(flight, files))
@@ -54,11 +63,26 @@ def run(
         raise typer.Exit(1)
 
 
+def _again(replay: str, changes: list[str], backend: str | None) -> Flight:
+    """Fly the run DIR:INDEX of a campaign."""
+    from detumble.campaigns.flying import checked_index, fly_again
+    from detumble.campaigns.store import Store
+
+    directory, colon, index = replay.rpartition(":")
+    if not (colon and directory and index.isdecimal()):
+        raise RequestError(f"--replay {replay}: must be DIR:INDEX, the folder of a campaign and the number of a run")
+    if changes:
+        raise RequestError("--replay: flies a run as it was; nothing can be set")
+    store = Store.open(directory)
+    return fly_again(store.recipe, checked_index(int(index), store.runs), backend=backend)
+
+
 def _json(flight: Flight, files: list[Path]) -> dict[str, object]:
     return {
         "scenario": flight.scenario.title,
         "law": flight.law,
         "seed": flight.seed,
+        "index": flight.index,
         "backend": flight.backend,
         **flight.metrics.to_json(),
         "events": [{"name": event.name, "time_s": event.time} for event in flight.events],

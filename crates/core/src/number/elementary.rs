@@ -5,7 +5,7 @@
 //! Where plain rounding would show in the result, the rounding error is computed too and carried along.
 //!
 //! Greatest difference from the standard library in the tests beside this file, with fused `mul_add` or without: exp 1 unit
-//! in the last place, powf 2 for exponents up to 1 and two more for each unit beyond, the others 2.
+//! in the last place, powf 3 for exponents up to 1 and two more for each unit beyond, the others 2.
 
 use super::real::{Bits, Real};
 

@@ -154,14 +154,14 @@ fn ln_is_accurate() {
 #[test]
 fn powf_is_accurate() {
     let scaled = |most: f64| over_decades(-12, 3).into_iter().map(move |[x, a]| [x, most * a]);
-    assert_accurate(Powf, &scaled(1.0).collect::<Vec<_>>());
-    // Twice the exponent and two more.
+    // Twice the exponent and a little more.
+    assert_within(3, Powf, &scaled(1.0).collect::<Vec<_>>());
     assert_within(8, Powf, &scaled(3.0).collect::<Vec<_>>());
     assert_within(42, Powf, &scaled(20.0).collect::<Vec<_>>());
     let reaching: Vec<_> = scaled(0.0).map(|[x, _]| [x, 0.7]).collect();
-    assert_accurate(Powf, &reaching);
+    assert_within(3, Powf, &reaching);
     let near: Vec<_> = over(0.9, 1.1).iter().map(|&[x, _]| [x, 1.0 / 3.0]).collect();
-    assert_accurate(Powf, &near);
+    assert_within(3, Powf, &near);
 }
 
 #[test]
