@@ -15,6 +15,7 @@ import os
 import statistics
 import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -134,7 +135,7 @@ def arguments(given: list[str]) -> argparse.Namespace:
     return parser.parse_args(given)
 
 
-def table(rows: list[tuple[str, ...]]) -> str:
+def table(rows: Sequence[tuple[str, ...]]) -> str:
     """Write a table as the documentation has it; the first row names the columns."""
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = [
@@ -167,7 +168,7 @@ def print_rates(rates: dict[str, measure.Rate]) -> None:
                 label,
                 f"{statistics.median(million):.3g}",
                 f"{min(million):.3g} – {max(million):.3g}",
-                f"{rate.ratio:.3g} ×",
+                f"{plain(rate.ratio)} ×",
                 "–" if rate.fma_share is None else f"{100 * rate.fma_share:.2g} %",
                 megabytes(rate.peak_bytes),
             )
@@ -198,8 +199,13 @@ def print_growth(growth: dict[str, list[measure.Point]]) -> None:
 def grown(point: measure.Point) -> str:
     """Write one number of trajectories."""
     if point.seconds is None:
-        return f"not run: would take ~{point.expected:.2g} s"
+        return f"not run: would take ~{plain(point.expected)} s"
     return f"{point.seconds:.3g} s, {megabytes(point.peak_bytes)} MB"
+
+
+def plain(value: float) -> str:
+    """Write a positive number to three figures, large ones with separators."""
+    return f"{value:.3g}" if value < 1000.0 else f"{float(f'{value:.3g}'):,.0f}"
 
 
 def megabytes(size: int | None) -> str:
@@ -210,11 +216,14 @@ def megabytes(size: int | None) -> str:
 def main() -> int:
     """Set up, compare, measure, print."""
     asked = arguments(sys.argv[1:])
-    host = machine()
+    python = peers_python(asked.python)
+    host = machine(python)
     print(f"{host['processor']}, {host['cores']} cores, {host['date']}; load {host['load_before']}")
-    print(f"detumble {host['detumble']}, {', '.join(host['peers'])}\n")
+    print(
+        f"detumble {host['detumble']}, Python {host['python']}; {', '.join(host['peers'])}, Python {host['peers_python']}\n"
+    )
     with tempfile.TemporaryDirectory() as folder:
-        session = Session(asked.only, peers_python(asked.python), Path(folder))
+        session = Session(asked.only, python, Path(folder))
         checks = session.agree()
         print_agreement(checks)
         rates = session.rates(QUICK_ROUNDS if asked.quick else ROUNDS)

@@ -59,8 +59,12 @@ def _runs(name: str) -> bool:
     return found is not None and subprocess.run([found, "-c", ""], capture_output=True, check=False).returncode == 0
 
 
-def machine() -> dict[str, Any]:
-    """Say what the figures were measured on."""
+def machine(python: Path) -> dict[str, Any]:
+    """Say what the figures are measured on.
+
+    Args:
+        python: the peers'.
+    """
     info = Path("/proc/cpuinfo")
     lines = info.read_text().splitlines() if info.exists() else []
     names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
@@ -69,6 +73,8 @@ def machine() -> dict[str, Any]:
         "cores": os.cpu_count() or 1,
         "load_before": round(os.getloadavg()[0], 2),
         "date": date.today().isoformat(),
+        "python": platform.python_version(),
+        "peers_python": subprocess.run([python, "-V"], capture_output=True, text=True, check=True).stdout.split()[-1],
         "detumble": detumble.__version__,
         "peers": [
             line.partition(" ;")[0] for line in REQUIREMENTS.read_text().splitlines() if line.startswith(MEASURED)

@@ -7,13 +7,13 @@ import statistics
 import subprocess
 import sys
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from detumble.compiled import core
 from detumble.workload import FLOP_PER_STEP, random_starts
-from peers.process import Peer, PeerFailed
+from peers.process import Answer, Peer, PeerFailed
 from peers.ways import WAYS, Way
 
 if TYPE_CHECKING:
@@ -23,21 +23,21 @@ PEAK_ITERATIONS = 4_000_000
 DETUMBLE = Path(sys.executable).with_name("detumble")
 
 
-@dataclass
+@dataclass(frozen=True)
 class Rate:
     """One way's figures.
 
     Attributes:
         steps_per_s: of each round.
-        peak_bytes: the most memory that its process held.
         ratio: how many times as fast detumble is on as many threads, median over the rounds.
         fma_share: of the multiply-add peak of one core, W's flop counted; None for ways that are not all of W.
+        peak_bytes: the most memory that its process held.
     """
 
-    steps_per_s: list[float] = field(default_factory=list)
-    peak_bytes: int | None = None
-    ratio: float | None = None
-    fma_share: float | None = None
+    steps_per_s: list[float]
+    ratio: float
+    fma_share: float | None
+    peak_bytes: int | None
 
 
 def rates(peers: dict[tuple[str, int], Peer], periods: int, rounds: int, failed: dict[str, str]) -> dict[str, Rate]:
@@ -47,40 +47,39 @@ def rates(peers: dict[tuple[str, int], Peer], periods: int, rounds: int, failed:
         peers: running, by name and threads.
         periods: of a flight.
         rounds: how many times.
-        failed: where ways that end before they answer are noted, by label.
+        failed: where ways that cannot be flown are noted, by label.
     """
     ways = [way for way in WAYS if (way.peer, way.threads) in peers]
     starts = random_starts(max(way.flights for way in ways))
-    backend = core().backends()[-1]
-    results = {way.label: Rate() for way in ways}
-    peaks: list[float] = []
-    for turn in range(rounds + 1):  # the first is for compilers and caches
-        begin = time.perf_counter()
-        flop = core().fma_peak(backend, PEAK_ITERATIONS)
-        peaks.append(flop / (time.perf_counter() - begin))
-        for way in ways:
-            if way.label in failed:
-                continue
+    taken: dict[Way, list[Answer]] = {way: [] for way in ways}
+    peak = 0.0  # the best of the rounds: it is what is never exceeded
+    for _ in range(rounds + 1):
+        peak = max(peak, multiply_adds_per_s())
+        for way in list(taken):
             try:
-                answer = peers[way.peer, way.threads].fly(way.call, starts[: way.flights])
+                taken[way].append(peers[way.peer, way.threads].fly(way.call, starts[: way.flights]))
             except PeerFailed as failure:
                 failed[way.label] = str(failure)
-                del results[way.label]
-                continue
-            results[way.label].peak_bytes = answer.peak_bytes
-            if turn:
-                results[way.label].steps_per_s.append(way.flights * periods / answer.seconds)
-    for way in ways:
-        if way.label not in results:
-            continue
-        rate = results[way.label]
-        ours = next(w.label for w in WAYS if w.peer == "detumble" and w.threads == way.threads)
-        pairs = zip(results[ours].steps_per_s, rate.steps_per_s, strict=True)
-        rate.ratio = statistics.median(a / b for a, b in pairs)
-        if way.whole and way.threads == 1:
-            # The best of the rounds: a peak is what is never exceeded.
-            rate.fma_share = statistics.median(rate.steps_per_s) * FLOP_PER_STEP / max(peaks)
-    return results
+                del taken[way]
+    # The first round was for compilers and caches.
+    speeds = {way: [way.flights * periods / one.seconds for one in answers[1:]] for way, answers in taken.items()}
+    ours = {way.threads: speeds[way] for way in speeds if way.peer == "detumble"}
+    return {
+        way.label: Rate(
+            speeds[way],
+            statistics.median(a / b for a, b in zip(ours[way.threads], speeds[way], strict=True)),
+            statistics.median(speeds[way]) * FLOP_PER_STEP / peak if way.whole and way.threads == 1 else None,
+            answers[-1].peak_bytes,
+        )
+        for way, answers in taken.items()
+    }
+
+
+def multiply_adds_per_s() -> float:
+    """Run one core at nothing but multiply-adds; flop/s."""
+    begin = time.perf_counter()
+    flop: float = core().fma_peak(core().backends()[-1], PEAK_ITERATIONS)
+    return flop / (time.perf_counter() - begin)
 
 
 @dataclass(frozen=True)

@@ -79,8 +79,7 @@ def test_threads_chunks_and_lanes_do_not_show(law: str, backend: str) -> None:
     threaded = fly_starts(recipe, starts, 9, 100, 2, backend)
     chunked = {
         size: [
-            fly_starts(recipe, starts[first : first + size], 9, 100 + first, 2, backend)
-            for first in range(0, 37, size)
+            fly_starts(recipe, starts[first : first + size], 9, 100 + first, 2, backend) for first in range(0, 37, size)
         ]
         for size in (1, 5, 16)
     }

@@ -26,8 +26,7 @@ batch_struct! {
     /// Running sums of a batch of flights.
     pub struct Metrics<R> {
         impulse: Vec3<R>,
-        delta_v: Vec3<R>,
-        delta_v_to_capture: Vec3<R>,
+        impulse_to_capture: Vec3<R>,
         torque_impulse: Vec3<R>,
         peak_demand: Peak<R>,
         peak_applied: Peak<R>,
@@ -79,8 +78,7 @@ impl<R: Real> Default for Metrics<R> {
         let peak = Peak { force: zero, torque: zero };
         Self {
             impulse: Vec3::zero(),
-            delta_v: Vec3::zero(),
-            delta_v_to_capture: Vec3::zero(),
+            impulse_to_capture: Vec3::zero(),
             torque_impulse: Vec3::zero(),
             peak_demand: peak,
             peak_applied: peak,
@@ -116,7 +114,7 @@ impl<R: Real> Observer<R> for Metrics<R> {
         at.half_cosine = keep(error.attitude.scalar(), at.half_cosine);
         at.rate = keep(error.rate.norm(), at.rate);
         at.speed = keep(error.velocity.norm(), at.speed);
-        self.delta_v_to_capture = Vec3::select(lanes, self.delta_v, self.delta_v_to_capture);
+        self.impulse_to_capture = Vec3::select(lanes, self.impulse, self.impulse_to_capture);
     }
 
     fn merged(&mut self, lanes: R::Mask, flight: &Flight<R>) {
@@ -141,7 +139,7 @@ impl<R: Real> Observer<R> for Metrics<R> {
         closest.speed = closest.speed.min(judged.speed_squared);
         self.longest_held = self.longest_held.max(flight.capture.held);
 
-        self.count_effort(scene, flight, tick, finite & tick.flown);
+        self.count_effort(scene, tick, finite & tick.flown);
     }
 
     #[inline(always)]
@@ -169,38 +167,28 @@ impl<R: Real> Metrics<R> {
 
     /// A wrench that is not flown counts for nothing, nor does one of a lane whose state has left the numbers.
     #[inline(always)]
-    fn count_effort(&mut self, scene: &Scene<R>, flight: &Flight<R>, tick: &Tick<R>, counts: R::Mask) {
-        let if_finite = |v: Vec3<R>| Vec3::select(counts, v, Vec3::zero());
-        let demand = Wrench { force: if_finite(tick.demand.force), torque: if_finite(tick.demand.torque) };
-        let applied = Wrench { force: if_finite(tick.applied.force), torque: if_finite(tick.applied.torque) };
-        let period = R::select(counts, R::splat(scene.plan.control_period), R::zero());
-
+    fn count_effort(&mut self, scene: &Scene<R>, tick: &Tick<R>, counts: R::Mask) {
+        let period = R::splat(scene.plan.control_period);
+        let (demand, applied) = (&tick.demand, &tick.applied);
         let (force, torque) = (applied.force.abs(), applied.torque.abs());
-        let held = Vec3::splat(period);
-        self.impulse = held.mul_add(force, self.impulse);
-        self.torque_impulse = held.mul_add(torque, self.torque_impulse);
-        self.delta_v = Vec3::splat(period * flight.vehicle.inverse_mass).mul_add(force, self.delta_v);
-
         let (force_demand, torque_demand) = (demand.force.abs(), demand.torque.abs());
-        self.peak_applied.force = self.peak_applied.force.max(force.max_component());
-        self.peak_applied.torque = self.peak_applied.torque.max(torque.max_component());
-        self.peak_demand.force = self.peak_demand.force.max(force_demand.max_component());
-        self.peak_demand.torque = self.peak_demand.torque.max(torque_demand.max_component());
+        add(&mut self.impulse, counts, period, force);
+        add(&mut self.torque_impulse, counts, period, torque);
+
+        raise(&mut self.peak_applied.force, counts, force);
+        raise(&mut self.peak_applied.torque, counts, torque);
+        raise(&mut self.peak_demand.force, counts, force_demand);
+        raise(&mut self.peak_demand.torque, counts, torque_demand);
 
         let limits = &scene.numbers.case.actuators;
-        let over = |demand: Vec3<R>, limit: Vec3<R>| {
-            let over = limit[0].lt(demand[0]) | limit[1].lt(demand[1]) | limit[2].lt(demand[2]);
-            R::select(over, period, R::zero())
-        };
-        self.saturated_force += over(force_demand, limits.force);
-        self.saturated_torque += over(torque_demand, limits.torque);
+        grow(&mut self.saturated_force, counts & any_over(force_demand, limits.force), period);
+        grow(&mut self.saturated_torque, counts & any_over(torque_demand, limits.torque), period);
 
         let varies = counts & R::zero().lt(tick.number);
-        let if_varies = |v: Vec3<R>| Vec3::select(varies, v, Vec3::zero());
-        self.force_variation += if_varies(demand.force - self.previous.force).abs().sum();
-        self.torque_variation += if_varies(demand.torque - self.previous.torque).abs().sum();
-        self.previous = demand;
-        self.flown += period;
+        grow(&mut self.force_variation, varies, (demand.force - self.previous.force).abs().sum());
+        grow(&mut self.torque_variation, varies, (demand.torque - self.previous.torque).abs().sum());
+        self.previous = *demand;
+        grow(&mut self.flown, counts, period);
     }
 
     /// The summary of lane `i`, whose flight is over at tick `number`.
@@ -221,15 +209,19 @@ impl<R: Real> Metrics<R> {
 
         let flown = self.flown.lane(i);
         let at = &self.at_capture;
+        let (impulse, to_capture) = (self.impulse.lane(i), self.impulse_to_capture.lane(i));
+        // The mass changes at capture alone.
+        let own = to_capture * scene.numbers.chaser.inverse_mass.lane(i);
+        let delta_v = own + (impulse - to_capture) * flight.vehicle.inverse_mass.lane(i);
         Summary {
             failure: self.failure(scene, i, diverged < NEVER, captured, settled || !merged),
             end_time,
             capture_time: if_so(captured, capture),
             settling_time: if_so(settled, settled_from - capture),
             diverged_time: if_so(diverged < NEVER, diverged),
-            delta_v: self.delta_v.lane(i).0,
-            delta_v_to_capture: self.delta_v_to_capture.lane(i).0.map(|x| if_so(captured, x)),
-            impulse: self.impulse.lane(i).0,
+            delta_v: delta_v.0,
+            delta_v_to_capture: own.0.map(|x| if_so(captured, x)),
+            impulse: impulse.0,
             torque_impulse: self.torque_impulse.lane(i).0,
             peak_force_command: self.peak_demand.force.lane(i),
             peak_force: self.peak_applied.force.lane(i),
@@ -284,6 +276,28 @@ pub mod failure {
     pub const NEVER_CAPTURED: u8 = 16;
     /// All thresholds held at once, but not for the dwell time.
     pub const DWELL_MISSED: u8 = 32;
+}
+
+// Lanes are chosen last, where most processors do it on the way. Functions, not closures: these are always inlined.
+
+#[inline(always)]
+fn grow<R: Real>(sum: &mut R, lanes: R::Mask, by: R) {
+    *sum = R::select(lanes, *sum + by, *sum);
+}
+
+#[inline(always)]
+fn add<R: Real>(sum: &mut Vec3<R>, lanes: R::Mask, time: R, rate: Vec3<R>) {
+    *sum = Vec3::select(lanes, Vec3::splat(time).mul_add(rate, *sum), *sum);
+}
+
+#[inline(always)]
+fn raise<R: Real>(peak: &mut R, lanes: R::Mask, sizes: Vec3<R>) {
+    *peak = R::select(lanes, peak.max(sizes.max_component()), *peak);
+}
+
+#[inline(always)]
+fn any_over<R: Real>(sizes: Vec3<R>, limits: Vec3<R>) -> R::Mask {
+    limits[0].lt(sizes[0]) | limits[1].lt(sizes[1]) | limits[2].lt(sizes[2])
 }
 
 /// |I ω| of what flies \[N m s\].

@@ -13,7 +13,7 @@ from __future__ import annotations
 import json
 import os
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -34,21 +34,6 @@ if TYPE_CHECKING:
     from typing import Self
 
     from detumble.campaigns.recipe import Recipe
-
-
-@dataclass(frozen=True)
-class Checked:
-    """Which shards of a campaign are there.
-
-    Attributes:
-        done: are whole and sound.
-        missing: are not there, or end where a shorter campaign ended.
-        damaged: are not as they were written; number and reason.
-    """
-
-    done: list[int] = field(default_factory=list)
-    missing: list[int] = field(default_factory=list)
-    damaged: list[tuple[int, str]] = field(default_factory=list)
 
 
 class Store:
@@ -198,30 +183,6 @@ class Store:
         if found.height < needed:
             return None
         return found if all_rows else found.head(needed)
-
-    def check(self, runs: int, progress: Callable[[int, pl.DataFrame | None], None] | None = None) -> Checked:
-        """Check to the bit which shards are there, one at a time.
-
-        Args:
-            runs: of the campaign that is asked for.
-            progress: called after each shard with its number, and with its rows among the first `runs` runs if it is done.
-        """
-        checked = Checked()
-        for number in range(self.recipe.shards(runs)):
-            needed = len(self.recipe.runs_of(number, runs))
-            frame = None
-            try:
-                found = self._decoded(number)
-            except FileNotFoundError:
-                checked.missing.append(number)
-            except Damage as why:
-                checked.damaged.append((number, str(why)))
-            else:
-                frame = found.head(needed) if found.height >= needed else None
-                (checked.missing if frame is None else checked.done).append(number)
-            if progress:
-                progress(number, frame)
-        return checked
 
     def _decoded(self, number: int) -> pl.DataFrame:
         try:

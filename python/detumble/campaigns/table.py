@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 class Runs:
     """The runs of a campaign from the first on, without a gap; each is read from its shard when it is asked for.
 
-    The ends of all files are checked here; what they hold is checked by `Store.check`.
+    The ends of all files are checked here; what they hold is checked by `Store.shard`.
 
     Args:
         store: the campaign.

@@ -47,7 +47,7 @@ const BIASED: f64 = ROUND + 1023.0;
 
 /// A positive normal number as 2^k (1 + f), √½ <= 1 + f < √2: k and f.
 #[inline(always)]
-fn exponent_and_fraction<R: Real>(x: R) -> (R, R) {
+pub(super) fn exponent_and_fraction<R: Real>(x: R) -> (R, R) {
     const SQRT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
     const EXPONENT: u64 = 0xfff << 52;
     const TWO_52: f64 = (1u64 << 52) as f64;
@@ -74,7 +74,7 @@ fn ln_tail<R: Real>(s: R) -> R {
 /// ln x = k ln 2 + 2 s + s (L1 s² + L2 s⁴ + ...)
 /// ```
 #[inline(always)]
-pub(super) fn ln_of_normal<R: Real>(x: R) -> R {
+fn ln_of_normal<R: Real>(x: R) -> R {
     let (k, f) = exponent_and_fraction(x);
     let s = f / (R::splat(2.0) + f);
     k.mul_add(R::splat(core::f64::consts::LN_2), s + s + ln_tail(s))
