@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import sys
 import time
 from collections.abc import Callable
@@ -59,12 +60,12 @@ def serve(calls_of: Callable[[dict[str, Any]], dict[str, Fly]]) -> None:
 
 
 def peak_bytes() -> int | None:
-    """Give the most memory that this process has held; None where the system does not say.
+    """Give the most memory that this process, or the largest of those it has ended, has held; None where nobody says.
 
-    getrusage would not do: on Linux a process starts with the peak of the one that started it.
+    For the process itself getrusage would not do: on Linux it starts with the peak of the one that started it.
     """
     status = Path("/proc/self/status")
     if not status.exists():
         return None
     line = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM:"))
-    return int(line.split()[1]) * 1024
+    return 1024 * max(int(line.split()[1]), resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 import polars as pl
 
 from detumble.campaigns.crews import Threads
-from detumble.campaigns.recipe import Recipe
+from detumble.campaigns.recipe import SHARD, Recipe
 from detumble.campaigns.result import CampaignResult, Effort
 from detumble.campaigns.shard import frame_of
 from detumble.campaigns.statistics import Statistics
@@ -78,6 +78,7 @@ def campaign(
     resume: bool = False,
     until_ci: float | None = None,
     backend: str | None = None,
+    shard: int = SHARD,
     watcher: Watcher | None = None,
 ) -> CampaignResult:
     """Fly a scenario many times, each run with its own draws of what the scenario disperses and its own sensor noise.
@@ -94,6 +95,7 @@ def campaign(
         resume: continue the campaign that the folder holds.
         until_ci: stop once the half width of the 95 % interval of the success probability is no more than this.
         backend: `portable`, `avx2`, `avx512`; None takes the core's choice. Rows of the last two are the same.
+        shard: runs that are flown, written and, after a break, kept as one. Rows do not depend on it.
         watcher: is told how the campaign gets on.
 
     Returns:
@@ -104,9 +106,9 @@ def campaign(
         RequestError: an argument cannot be used, the folder does not take the runs, or holds another campaign.
     """
     scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
-    _check(runs, seed, until_ci, threads, local_cluster, scheduler)
+    _check(runs, seed, shard, until_ci, threads, local_cluster, scheduler)
     case(scenario, law)
-    recipe = Recipe(scenario.to_toml(), law, seed)
+    recipe = Recipe(scenario.to_toml(), law, seed, shard=shard)
     watcher = watcher or Unwatched()
     crew = _crew(threads, scheduler, local_cluster, backend)
     with closing(crew), _folder(out) as (folder, kept):
@@ -119,12 +121,13 @@ def campaign(
 def _check(
     runs: int,
     seed: int,
+    shard: int,
     until_ci: float | None,
     threads: int | None,
     local_cluster: int | None,
     scheduler: str | None,
 ) -> None:
-    whole = {"runs": (runs, 1, 10**12), "seed": (seed, 0, MOST_SEED)}
+    whole = {"runs": (runs, 1, 10**12), "seed": (seed, 0, MOST_SEED), "shard": (shard, 1, 10**6)}
     whole |= {"threads": (threads, 1, 4096)} if threads is not None else {}
     whole |= {"local_cluster": (local_cluster, 1, 4096)} if local_cluster is not None else {}
     for name, (number, least, most) in whole.items():

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 WORKER_LOSSES = 1000
 """Workers that may die over one shard before it is given up; Dask's own default is 3."""
 _CONNECT_SECONDS = 30
+_QUIET = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}
+"""No dashboard, and no complaint where another cluster has its port."""
 
 
 class Cluster:
@@ -39,10 +41,20 @@ class Cluster:
         self._wide = backend != "portable" and "avx2" in core().backends()
         self._local: Any = None
         if scheduler is None:
-            with dask.config.set({"distributed.scheduler.allowed-failures": WORKER_LOSSES}):
-                self._local = distributed.LocalCluster(  # type: ignore[no-untyped-call]  # Dask has no types here
-                    n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, silence_logs=50
-                )
+            try:
+                with dask.config.set({"distributed.scheduler.allowed-failures": WORKER_LOSSES}):
+                    self._local = distributed.LocalCluster(  # type: ignore[no-untyped-call]  # Dask has no types here
+                        n_workers=workers,
+                        threads_per_worker=1,
+                        host="127.0.0.1",
+                        silence_logs=50,
+                        scheduler_kwargs=_QUIET,
+                    )
+            except RuntimeError as error:  # Dask's workers begin by importing the script that is being run
+                raise RequestError(
+                    f"local_cluster {workers}: cannot be started: {error} In a script, fly the campaign beneath "
+                    '`if __name__ == "__main__":`'
+                ) from None
         try:
             self._client: Any = distributed.Client(  # type: ignore[no-untyped-call]  # likewise
                 self._local or scheduler, timeout=_CONNECT_SECONDS

@@ -1,7 +1,7 @@
 //! Additive white Gaussian noise on what the laws see, drawn anew at every control tick.
 //!
 //! ```text
-//! r + N(0, σ_r)    v + N(0, σ_v)    q_C ⊗ [1, δ/2] normalised, δ ~ N(0, σ_q)    ω_C + N(0, σ_ω)
+//! r + N(0, σ_r)    v + N(0, σ_v)    q_C ⊗ [1, δ/2]/√(1 + |δ|²/4), δ ~ N(0, σ_q)    ω_C + N(0, σ_ω)
 //! ```
 //!
 //! Assumptions: the debris' attitude and rate are seen without noise; no bias, no delay.
@@ -73,9 +73,8 @@ pub fn sense<R: Real>(
     }
     if noisy.attitude {
         let [x, y, z] = (Vec3([a, b, c]) * (sigmas.attitude * R::splat(0.5))).0;
-        let turned = (truth.chaser_attitude * Quat([R::one(), x, y, z])).normalized();
-        // A lane without noise keeps its bits beside noisy ones: normalising would move the last.
-        seen.chaser_attitude = Quat::select(R::zero().lt(sigmas.attitude), turned, truth.chaser_attitude);
+        // The turn is normalised, not the product: a lane without noise keeps its bits beside noisy ones.
+        seen.chaser_attitude = truth.chaser_attitude * Quat([R::one(), x, y, z]).normalized();
     }
     if noisy.rate {
         seen.chaser_rate += Vec3([p, q, r]) * sigmas.rate;
