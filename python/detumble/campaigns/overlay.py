@@ -55,7 +55,8 @@ def overlay(scenario: Scenario, law: str, drawn: Mapping[str, Array]) -> dict[st
     for path, values in drawn.items():
         section, _, name = path.partition(".")
         if section == "orbit" and name in _MEAN_MOTION:
-            columns["orbit.mean_motion"] = _mean_motion(scenario, drawn)
+            if name != "earth_radius" or scenario.orbit.radius is None:
+                columns["orbit.mean_motion"] = _mean_motion(scenario, drawn)
         elif section == "laws":
             columns |= {gain: _on_axes(gain, values) for gain in _gains(scenario, law, name)}
         else:

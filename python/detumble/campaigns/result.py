@@ -12,10 +12,12 @@ from detumble.errors import RequestError
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Sequence
     from pathlib import Path
     from tempfile import TemporaryDirectory
 
     from detumble.campaigns.recipe import Recipe
+    from detumble.campaigns.sensitivity import Sensitivity
     from detumble.campaigns.table import Runs
     from detumble.flight import Flight
 
@@ -123,6 +125,36 @@ class CampaignResult:
         from detumble.campaigns.flying import checked_index, fly_again
 
         return fly_again(self.recipe, checked_index(index, self.statistics.runs), backend=backend)
+
+    def sensitivities(self) -> tuple[Sensitivity, Sensitivity]:
+        """Say which of the drawn inputs failure and capture time depend on.
+
+        Returns:
+            For failure, and for the capture time.
+
+        Raises:
+            RequestError: SALib is not installed.
+        """
+        from detumble.campaigns.sensitivity import sensitivities
+
+        return sensitivities(self.runs.lazy(), self.recipe.parsed)
+
+    def figures(self, over: Sequence[str] = (), target: float | None = None) -> list[Path]:
+        """Write all pictures into the folder `figures` of the campaign; some of its runs are flown again for it.
+
+        Args:
+            over: the two inputs of the success map; none takes the two that matter most.
+            target: half width of the success interval that was asked for.
+
+        Returns:
+            The files.
+
+        Raises:
+            RequestError: there are no such inputs, SALib is not installed, or a file cannot be written.
+        """
+        from detumble.campaigns.pictures import draw
+
+        return draw(self, over, target)
 
     def to_json(self) -> dict[str, Any]:
         """Give everything in one object, as `detumble campaign --json` prints it."""

@@ -77,7 +77,7 @@ def campaign(
             watcher=progress,
         )
     write_text(out / "summary.json", json_text(result.to_json()) + "\n")
-    drawn = result.figures(over=tuple(over or ())) if figures else []
+    drawn = result.figures(tuple(over or ()), until_ci) if figures else []
     if as_json:
         print_json(result.to_json() | {"files": [str(file) for file in drawn]})
     else:

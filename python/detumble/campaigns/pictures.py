@@ -1,0 +1,137 @@
+"""Every picture of a campaign, from its statistics, its table, and a few of its runs flown again."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+from detumble.campaigns.inputs import drawn_columns, inputs
+from detumble.campaigns.rows import SUCCEEDED
+from detumble.errors import RequestError
+from detumble.scenario.dispersions.fitting import fields
+from detumble.scenario.wording import did_you_mean, pretty
+from detumble.show.campaign import (
+    Caption,
+    Trace,
+    capture_times,
+    convergence,
+    envelope,
+    failures,
+    sensitivity,
+    success_map,
+)
+from detumble.writing import output_folder
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from detumble.campaigns.result import CampaignResult
+    from detumble.campaigns.sensitivity import Sensitivity
+
+Array: TypeAlias = "NDArray[np.float64]"
+
+MAPPED = 200_000
+"""Most runs of the success map, the first of the campaign."""
+REFLOWN = 200
+"""Most runs of the envelope, the first of the campaign."""
+TICKS = 4_000_000
+"""Most ticks kept for it in all."""
+
+
+def draw(result: CampaignResult, over: Sequence[str], target: float | None) -> list[Path]:
+    """Write the pictures into the folder `figures` of a campaign.
+
+    Args:
+        result: the campaign.
+        over: the two inputs of the success map; none takes the two that matter most.
+        target: half width of the success interval that was asked for.
+
+    Returns:
+        The files.
+
+    Raises:
+        RequestError: there are no such inputs, SALib is not installed, or a file cannot be written.
+    """
+    statistics, recipe = result.statistics, result.recipe
+    scenario, law = recipe.parsed, recipe.law
+    caption = Caption(scenario.title, law, statistics.runs, recipe.seed)
+    folder = result.folder / "figures"
+    rows = result.runs.lazy().head(MAPPED)
+    rows = rows.select(SUCCEEDED.name, *drawn_columns(rows.collect_schema().names()))
+    table = rows.collect()
+    varying, _ = inputs(table, scenario)
+    _check(over, varying)
+    with output_folder(folder):
+        settled = {law: statistics.ecdf("settled_time_s")} if scenario.capture.merge and law != "none" else {}
+        files = [
+            capture_times({law: statistics.ecdf("capture_time_s")}, settled, caption, folder / "capture-times.png"),
+            failures(statistics.success, statistics.failures, caption, folder / "failures.png"),
+            convergence(statistics.convergence(), caption, folder / "convergence.png", target),
+            _envelope(result, caption, folder / "envelope.png"),
+        ]
+        if varying:
+            outcomes = result.sensitivities()
+            files.append(sensitivity(outcomes, caption, folder / "sensitivity.png"))
+            across, up = over or _strongest(outcomes, varying)
+            labels = (_label(across), _label(up))
+            success = table[SUCCEEDED.name].to_numpy()
+            files.append(
+                success_map(varying[across], varying[up], success, labels, caption, folder / "success-map.png")
+            )
+    return files
+
+
+def _check(over: Sequence[str], varying: dict[str, Array]) -> None:
+    for name in over:
+        if name not in varying:
+            raise RequestError(
+                f"map {name}: not drawn{did_you_mean(name, varying)}; there are {', '.join(varying) or 'none'}"
+            )
+    if over and len(set(over)) != 2:
+        raise RequestError("map: needs two different inputs")
+
+
+def _strongest(outcomes: Sequence[Sensitivity], varying: dict[str, Array]) -> tuple[str, str]:
+    """Name the two inputs that matter most to failure, or to the capture time where nothing is known of failure."""
+    ranked = [influence.field for outcome in outcomes for influence in outcome.influences]
+    names = list(dict.fromkeys([*(name for name in ranked if name in varying), *varying]))
+    return names[0], names[min(1, len(names) - 1)]
+
+
+def _label(name: str) -> str:
+    """Write an input with its unit."""
+    known = fields()
+    path = next((path for path in (name.strip("|"), name.strip("|").rpartition(".")[0]) if path in known), None)
+    unit = pretty(known[path].unit) if path else "rad"
+    return f"{name} [{unit}]" if unit else name
+
+
+def _envelope(result: CampaignResult, caption: Caption, path: Path) -> Path:
+    scenario = result.recipe.parsed
+    ticks = round(scenario.time.duration / scenario.time.control_period) + 1
+    count = min(result.statistics.runs, max(10, min(REFLOWN, TICKS // ticks)))
+    histories = [result.replay(index).history for index in range(count)]
+    time = max((history["time"] for history in histories), key=len)
+
+    def rows(name: str, factor: float = 1.0) -> Array:
+        values = np.full((count, len(time)), np.nan)
+        for row, history in zip(values, histories, strict=True):
+            row[: len(history[name])] = factor * history[name]
+        return values
+
+    capture, settled = scenario.capture, scenario.settled
+    traces = [
+        Trace("distance to goal [m]", rows("distance"), {"capture": capture.distance}),
+        Trace(
+            "attitude error [°]",
+            rows("angle_error", math.degrees(1.0)),
+            {"capture": capture.angle_deg, "settled": settled.angle_deg},
+        ),
+        Trace("rate error [rad/s]", rows("rate_error"), {"capture": capture.rate, "settled": settled.rate}),
+    ]
+    return envelope(time, traces, caption, path)
