@@ -45,7 +45,7 @@ def maximal(**changes: Any) -> Scenario:
     raw["capture"] = {"distance": 0.4, "angle_deg": 30.0, "rate": 0.06, "speed": 0.05, "dwell": 1.0}
     raw["capture"] |= {"transition": "momentum_conserving"}
     raw["settled"] = {"angle_deg": 30.0, "rate": 0.06}
-    raw["actuators"] = {"force_limit": [0.1, 0.08, 0.05], "torque_limit": 3e-3}
+    raw["actuators"] = {"force_limit": [0.02, 0.015, 0.01], "torque_limit": 3e-3}
     raw["sensors"] = {f"{name}_sigma": 1e-3 for name in ("position", "velocity", "attitude", "rate")}
     for law in LAWS:
         gains = raw["laws"][law]
@@ -104,6 +104,11 @@ def present(scenario: Scenario) -> list[str]:
     return [path for path in fields() if scenario.at(path) is not None or path in beliefs]
 
 
+def unused(scenario: Scenario, path: str) -> bool:
+    """Tell whether nothing depends on a field, whatever the law."""
+    return path == "orbit.earth_radius" and scenario.orbit.radius is not None
+
+
 EVERY = [(name, path) for name, scenario in scenarios().items() for path in present(scenario)]
 
 
@@ -148,7 +153,7 @@ def test_the_numbers_of_a_run_are_those_of_its_scenario_and_it_flies_by_them(nam
     for law in ALL_LAWS:
         columns = overlay(scenario, law, drawn)
         given = case(scenario, law, until_the_end=False)
-        assert bool(columns) == (owner in (None, law)), law
+        assert bool(columns) == (owner in (None, law) and not unused(nominal, path)), law
         flown = fly_runs(Recipe(scenario.to_toml(), law, SEED), 0, RUNS, backend="portable").columns
         for index, run in enumerate(runs):
             expected = case(run, law, until_the_end=False)
@@ -180,6 +185,8 @@ def test_every_field_makes_a_difference_under_a_law_that_knows_it_and_none_under
         owner = path.split(".")[1] if path.startswith("laws.") else None
         if owner:
             assert moved == {owner}, path
+        elif unused(scenario, path):
+            assert not moved
         elif path.startswith("belief."):
             assert moved
             assert moved <= set(LAWS) - {"pd"}, path

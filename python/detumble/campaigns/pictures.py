@@ -97,17 +97,23 @@ def _check(over: Sequence[str], varying: dict[str, Array]) -> None:
 
 
 def _strongest(outcomes: Sequence[Sensitivity], varying: dict[str, Array]) -> tuple[str, str]:
-    """Name the two inputs that matter most to failure, or to the capture time where nothing is known of failure."""
+    """Name the two inputs, of two fields if there are two, that matter most to failure, or else to the capture time."""
     ranked = [influence.field for outcome in outcomes for influence in outcome.influences]
     names = list(dict.fromkeys([*(name for name in ranked if name in varying), *varying]))
-    return names[0], names[min(1, len(names) - 1)]
+    first = names[0]
+    return first, next((name for name in names if _field(name) != _field(first)), names[min(1, len(names) - 1)])
+
+
+def _field(name: str) -> str:
+    """Name the dispersed field that an input comes from; the input itself if it comes from several."""
+    stem = name.strip("|").partition(" ")[0]
+    return next((path for path in (stem, stem.rpartition(".")[0]) if path in fields()), name)
 
 
 def _label(name: str) -> str:
     """Write an input with its unit."""
-    known = fields()
-    path = next((path for path in (name.strip("|"), name.strip("|").rpartition(".")[0]) if path in known), None)
-    unit = pretty(known[path].unit) if path else "rad"
+    turned = " " in name  # angles and components of a turn, which come from attitudes
+    unit = "rad" if turned else pretty(fields()[_field(name)].unit)
     return f"{name} [{unit}]" if unit else name
 
 
