@@ -70,6 +70,6 @@ lock: $(UV) ## pin the dependencies anew
 	$(LOCK) requirements-tools.in -o requirements-tools.lock
 
 clean: ## take away everything that was built
-	rm -rf .venv .tools target results .mypy_cache .ruff_cache
+	rm -rf .venv .tools target results .mypy_cache .ruff_cache benchmarks/peers/.venv
 	find python -name '_core*.so' -o -name '_core*.pyd' | xargs rm -f
 	find python tests -name __pycache__ -prune -exec rm -rf {} +

@@ -25,7 +25,7 @@ from detumble.scenario.quantity import Quantity
 
 ALL_LAWS = (*LAWS, "none")
 SEED = 5
-RUNS = 3
+RUNS = 2
 MANY = 16
 UNLESS_GIVEN = ("orbit.altitude", "orbit.earth_radius", "orbit.radius", "goal.position")
 """Stand instead of one another, or need one another: each is in one of the two scenarios."""
@@ -45,11 +45,13 @@ def maximal(**changes: Any) -> Scenario:
     raw["capture"] = {"distance": 0.4, "angle_deg": 30.0, "rate": 0.06, "speed": 0.05, "dwell": 1.0}
     raw["capture"] |= {"transition": "momentum_conserving"}
     raw["settled"] = {"angle_deg": 30.0, "rate": 0.06}
-    raw["actuators"] = {"force_limit": [0.02, 0.015, 0.01], "torque_limit": 3e-3}
+    raw["actuators"] = {"force_limit": [0.02, 0.015, 0.01], "torque_limit": [5e-3, 5e-3, 1e-3]}
     raw["sensors"] = {f"{name}_sigma": 1e-3 for name in ("position", "velocity", "attitude", "rate")}
     for law in LAWS:
         gains = raw["laws"][law]
         gains["form"] = "corrected"
+        if "layer" in gains["rotation"]:
+            gains["rotation"]["layer"] = 0.2
         gains["stack"] = {channel: dict(gains[channel]) for channel in ("translation", "rotation")}
     raw["laws"]["none"] = {"segments": [{"start": 0.5, "end": 2.0, "force": [0.01, 0.02, 0.0], "torque": [0, 1e-4, 0]}]}
     for path, value in changes.items():
@@ -60,7 +62,7 @@ def maximal(**changes: Any) -> Scenario:
 
 @cache
 def scenarios() -> dict[str, Scenario]:
-    grasping = {"chaser__grasp_point": [-0.1, 0.02, 0.01], "debris__grasp_point": [0.1, -0.03, 0.04]}
+    grasping = {"chaser__grasp_point": [-0.1, 0.02, 0.01], "debris__grasp_point": [0.1, 0.2, -0.04]}
     after = {"position_after_capture": [0.0, 0.2, 0.1], "acceleration_feedforward": True}
     told = {"belief": {"stack": "true"}, "orbit": {"radius": 7071e3}}
     return {"fixed goal": maximal(), "grasp points": maximal(**grasping, goal=after, **told)}
@@ -109,7 +111,8 @@ def unused(scenario: Scenario, path: str) -> bool:
     return path == "orbit.earth_radius" and scenario.orbit.radius is not None
 
 
-EVERY = [(name, path) for name, scenario in scenarios().items() for path in present(scenario)]
+EVERY = [("fixed goal", path) for path in present(scenarios()["fixed goal"])]
+EVERY += [("grasp points", path) for path in present(scenarios()["grasp points"]) if not path.startswith("laws.")]
 
 
 def flat(value: Any, path: str = "") -> Iterator[tuple[str, float]]:
@@ -150,7 +153,7 @@ def test_the_numbers_of_a_run_are_those_of_its_scenario_and_it_flies_by_them(nam
     drawn = draw(scenario, SEED, 0, RUNS)
     runs = [drawn_scenario(scenario, SEED, index) for index in range(RUNS)]
     owner = path.split(".")[1] if path.startswith("laws.") else None
-    for law in ALL_LAWS:
+    for law in ALL_LAWS if owner is None else (owner, "none"):
         columns = overlay(scenario, law, drawn)
         given = case(scenario, law, until_the_end=False)
         assert bool(columns) == (owner in (None, law) and not unused(nominal, path)), law
@@ -166,11 +169,11 @@ def test_the_numbers_of_a_run_are_those_of_its_scenario_and_it_flies_by_them(nam
             alone = core().fly(expected, SEED, index, "portable", list(columns))["summary"]
             for metric in SCALARS:
                 found = float(np.sum(alone[metric.source]))
-                assert found == flown[metric.key][index] or math.isnan(found) and math.isnan(flown[metric.key][index])
+                assert found == flown[metric.key][index] or (math.isnan(found) and math.isnan(flown[metric.key][index]))
 
 
 @pytest.mark.parametrize("name", scenarios())
-def test_every_field_makes_a_difference_under_a_law_that_knows_it_and_none_under_others(name: str) -> None:
+def test_every_field_makes_a_difference_under_a_law_that_knows_it(name: str) -> None:
     scenario = scenarios()[name]
 
     def results(scenario: Scenario, law: str) -> bytes:
@@ -178,20 +181,19 @@ def test_every_field_makes_a_difference_under_a_law_that_knows_it_and_none_under
         numbers = [np.asarray(columns[result.name], float) for result in RESULTS if result.name != "failure"]
         return np.array(numbers).tobytes()
 
-    undisturbed = {law: results(scenario, law) for law in ALL_LAWS}
+    undisturbed = {law: results(scenario, law) for law in LAWS}
     for path in present(scenario):
         changed = dispersed(scenario, path)
-        moved = {law for law in ALL_LAWS if results(changed, law) != undisturbed[law]}
         owner = path.split(".")[1] if path.startswith("laws.") else None
-        if owner:
-            assert moved == {owner}, path
-        elif unused(scenario, path):
+        moved = {law for law in LAWS if owner in (None, law) and results(changed, law) != undisturbed[law]}
+        if unused(scenario, path):
             assert not moved
+        elif path.startswith(("settled.", "actuators.")):  # not every law ends near a threshold, or meets a limit
+            assert moved, path
         elif path.startswith("belief."):
-            assert moved
-            assert moved <= set(LAWS) - {"pd"}, path
+            assert {"sosmc", "tsmc", "prrl"} <= moved, path
         else:
-            assert moved >= set(LAWS), path
+            assert moved == ({owner} if owner else set(LAWS)), path
 
 
 def test_many_dispersed_fields_at_once_keep_their_places() -> None:

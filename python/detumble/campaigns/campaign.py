@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import platform
+import shutil
 import time
+import weakref
 from collections import deque
 from contextlib import closing, contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import mkdtemp
 from typing import TYPE_CHECKING, Protocol
 
 import polars as pl
@@ -88,7 +90,7 @@ def campaign(
         law: one of `LAWS`, or `none` for open loop.
         runs: how many. Run i is the same run whatever their number.
         seed: of all random numbers, 0 to 2^64 - 1.
-        out: folder for the runs; None keeps them in a temporary one as long as the result lives.
+        out: folder for the runs; None keeps them in a temporary one as long as the result or its table of runs lives.
         threads: of this process; None uses all processors.
         scheduler: address of a Dask scheduler whose workers fly instead.
         local_cluster: number of Dask workers to start on this machine instead.
@@ -111,11 +113,14 @@ def campaign(
     recipe = Recipe(scenario.to_toml(), law, seed, shard=shard)
     watcher = watcher or Unwatched()
     crew = _crew(threads, scheduler, local_cluster, backend)
-    with closing(crew), _folder(out) as (folder, kept):
+    with closing(crew), _folder(out) as folder:
         about = crew.about() | {"machine": platform.machine(), "system": platform.platform()}
         with Store.create(folder, recipe, runs, about=about, resume=resume) as store:
             statistics, effort = _fly(store, crew, runs, until_ci, watcher)
-        return CampaignResult(Store.open(folder), statistics, effort, kept)
+        flown = Store.open(folder)
+        if out is None:
+            weakref.finalize(flown, shutil.rmtree, folder, ignore_errors=True)
+        return CampaignResult(flown, statistics, effort)
 
 
 def _check(
@@ -148,16 +153,16 @@ def _crew(threads: int | None, scheduler: str | None, local_cluster: int | None,
 
 
 @contextmanager
-def _folder(out: str | os.PathLike[str] | None) -> Iterator[tuple[Path, TemporaryDirectory[str] | None]]:
-    """Give the folder of the runs, and what keeps it if it is a temporary one; that goes with a campaign that fails."""
+def _folder(out: str | os.PathLike[str] | None) -> Iterator[Path]:
+    """Give the folder of the runs; a temporary one goes with a campaign that fails."""
     if out is not None:
-        yield Path(out), None
+        yield Path(out)
         return
-    temporary = TemporaryDirectory(prefix="detumble-")
+    temporary = Path(mkdtemp(prefix="detumble-"))
     try:
-        yield Path(temporary.name), temporary
+        yield temporary
     except BaseException:
-        temporary.cleanup()
+        shutil.rmtree(temporary, ignore_errors=True)
         raise
 
 

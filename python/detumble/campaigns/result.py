@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Sequence
     from pathlib import Path
-    from tempfile import TemporaryDirectory
 
     from detumble.campaigns.recipe import Recipe
     from detumble.campaigns.sensitivity import Sensitivity
@@ -93,7 +92,6 @@ class CampaignResult:
     store: Store
     statistics: Statistics
     effort: Effort
-    _kept: TemporaryDirectory[str] | None = field(default=None, repr=False)
 
     @property
     def folder(self) -> Path:

@@ -16,8 +16,6 @@ from detumble.campaigns.shard import CAUSE, KINDS, Damage, codes, column, rows_i
 from detumble.errors import RequestError
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     import pandas as pd  # type: ignore[import-untyped]
     from numpy.typing import NDArray
 
@@ -38,6 +36,7 @@ class Runs:
     """
 
     def __init__(self, store: Store, runs: int | None = None) -> None:
+        self._store = store  # while that lives, a temporary folder does
         self._recipe = store.recipe
         self._runs = store.runs if runs is None else runs
         self._paths = [store.path(number) for number in range(self._recipe.shards(self._runs))]
@@ -100,7 +99,7 @@ class Runs:
 
     def _stored(self, name: str, dtype: pl.DataType) -> _StoredColumn:
         kind = np.dtype(object if dtype == CAUSE else KINDS[dtype])
-        return _StoredColumn(name, kind, self._paths, self._runs, self._recipe.shard)
+        return _StoredColumn(name, kind, self._store, self._runs)
 
 
 def _attributes(name: str, dtype: pl.DataType) -> dict[str, str]:
@@ -112,9 +111,9 @@ def _attributes(name: str, dtype: pl.DataType) -> dict[str, str]:
 class _StoredColumn(BackendArray):
     """One column of the table, (runs,): of the shards only those are read that hold what is asked for."""
 
-    def __init__(self, name: str, dtype: np.dtype[Any], paths: list[Path], runs: int, rows: int) -> None:
+    def __init__(self, name: str, dtype: np.dtype[Any], store: Store, runs: int) -> None:
         self.name, self.dtype, self.shape = name, dtype, (runs,)
-        self._paths, self._rows = paths, rows
+        self._store, self._rows = store, store.recipe.shard
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
         return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER, self._asked)
@@ -133,6 +132,6 @@ class _StoredColumn(BackendArray):
             first = number * self._rows
             low, high = bisect_left(positions, first), bisect_left(positions, first + self._rows)
             if low < high:
-                stored = pl.read_parquet(self._paths[number], columns=[self.name], glob=False)
+                stored = pl.read_parquet(self._store.path(number), columns=[self.name], glob=False)
                 read[low:high] = values(stored[self.name])[np.asarray(positions[low:high]) - first]
         return read
