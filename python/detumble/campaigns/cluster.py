@@ -17,6 +17,11 @@ WORKER_LOSSES = 1000
 _CONNECT_SECONDS = 30
 _QUIET = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}
 """No dashboard, and no complaint where another cluster has its port."""
+_SETTINGS = {
+    "distributed.scheduler.allowed-failures": WORKER_LOSSES,
+    # a terminal tells Ctrl-C to all processes; the workers end when this one closes the cluster
+    "distributed.worker.preload": ["import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)"],
+}
 
 
 class Cluster:
@@ -42,7 +47,7 @@ class Cluster:
         self._local: Any = None
         if scheduler is None:
             try:
-                with dask.config.set({"distributed.scheduler.allowed-failures": WORKER_LOSSES}):
+                with dask.config.set(_SETTINGS):
                     self._local = distributed.LocalCluster(  # type: ignore[no-untyped-call]  # Dask has no types here
                         n_workers=workers,
                         threads_per_worker=1,

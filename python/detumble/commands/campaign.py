@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from detumble.campaigns.result import CampaignResult
     from detumble.campaigns.statistics import Statistics
 
+DEFAULT_RUNS = 1000
+MOST_RUNS = 1_000_000
+"""Unless told otherwise, until the interval is narrow enough."""
 SHOWN = (
     ("capture_time_s", "capture", "s", 1),
     ("settling_time_s", "settling", "s", 1),
@@ -27,7 +30,9 @@ def campaign(
     out: Annotated[Path, typer.Option(parser=folder, metavar="DIR", help="Folder of the campaign.")],
     more: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")] = None,
     law: Annotated[str, typer.Option(help="pd, lqr, sosmc, tsmc, prrl, or none for open loop.")] = "prrl",
-    runs: Annotated[int, typer.Option(help="Number of runs.")] = 1000,
+    runs: Annotated[
+        int | None, typer.Option(help="Number of runs; with --until-ci the most to fly.  [1000, or 1000000]")
+    ] = None,
     seed: Annotated[int, typer.Option(help="Seed of all random numbers.")] = 0,
     settings: Annotated[
         list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
@@ -65,7 +70,7 @@ def campaign(
         result = fly(
             chosen,
             law,
-            runs,
+            runs if runs is not None else DEFAULT_RUNS if until_ci is None else MOST_RUNS,
             seed,
             out,
             threads=threads,
@@ -82,6 +87,11 @@ def campaign(
         print_json(result.to_json() | {"files": [str(file) for file in drawn]})
     else:
         print(_text(result))
+    half_width = result.statistics.success.half_width
+    if until_ci is not None and half_width > until_ci:
+        remark(
+            f"the interval is still {half_width:.3g} to either side, not {until_ci:g}: --resume with more --runs goes on"
+        )
     for file in drawn:
         remark(f"written: {file}")
 
