@@ -82,7 +82,8 @@ def child(script: str, folder: Path, *wrapper: str) -> subprocess.Popen[str]:
         "from detumble.errors import RequestError\nfolder = Path(sys.argv[1])\n"
     )
     command = [*wrapper, sys.executable, "-c", prelude + script, str(folder)]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    streams = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    return subprocess.Popen(command, text=True, **streams)
 
 
 def on_a_disk_of_its_own(folder: Path, options: str, *command: str) -> list[str]:

@@ -211,6 +211,17 @@ def test_many_dispersed_fields_at_once_keep_their_places() -> None:
                 assert numbers == wanted, law
 
 
+@pytest.mark.parametrize("own", [True, False])
+def test_a_drawn_goal_is_the_stacks_too_unless_it_has_its_own(own: bool) -> None:
+    goal = {"position": [0.0, 0.3, 0.0]} | ({"position_after_capture": [0.0, 0.2, 0.1]} if own else {})
+    scenario = dispersed(maximal(goal=goal), "goal.position")
+    columns = overlay(scenario, "pd", draw(scenario, SEED, 0, RUNS))
+    assert set(columns) == {"goal.position"} | (set() if own else {"goal.after_capture"})
+    for index in range(RUNS):
+        wanted = case(drawn_scenario(scenario, SEED, index), "pd", until_the_end=False)
+        assert overlaid(case(scenario, "pd", until_the_end=False), columns, index) == dict(flat(wanted))
+
+
 @pytest.mark.parametrize("channels", [(), ("rotation",), ("translation", "rotation")])
 def test_gains_reach_the_stack_unless_it_has_its_own(channels: tuple[str, ...]) -> None:
     raw = maximal().to_dict()

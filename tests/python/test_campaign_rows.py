@@ -47,7 +47,7 @@ def test_run_i_is_the_same_however_many_are_flown(reference: CampaignResult, tmp
     assert digest(fewer) == digest(reference.runs.to_polars().head(130))
 
 
-@pytest.mark.parametrize("how", [{"threads": 2}, {"shard": 7}, {"shard": 1000, "threads": 2}], ids=str)
+@pytest.mark.parametrize("how", [{"threads": 2}, {"shard": 17}, {"shard": 1000, "threads": 2}], ids=str)
 def test_threads_and_shards_leave_no_trace(reference: CampaignResult, tmp_path: Path, how: dict[str, int]) -> None:
     assert rows_digest(flown(tmp_path, **how)) == rows_digest(reference)
 
@@ -134,6 +134,16 @@ def test_workers_of_a_cluster_give_the_same_rows_whatever_their_number_and_thoug
             assert three.store.manifest.about[0]["workers"] == 3
             assert rows_digest(three) == rows_digest(here)
             assert three.statistics.to_json() == here.statistics.to_json()
+
+
+def test_a_cluster_stops_where_this_process_would(cluster: Any, tmp_path: Path) -> None:
+    here, there = (
+        flown(tmp_path / name, runs=2000, shard=50, until_ci=0.06, **how)
+        for name, how in {"here": {}, "there": {"scheduler": cluster.scheduler_address}}.items()
+    )
+    assert 100 < here.statistics.runs == there.statistics.runs < 1000
+    assert rows_digest(here) == rows_digest(there)
+    assert len(list((tmp_path / "there" / "shards").iterdir())) == there.statistics.runs // 50
 
 
 def test_a_scheduler_that_is_not_there_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,16 +3,34 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
+import pytest
+from numpy.typing import NDArray
 
-from detumble.workload import random_starts, workload
+import detumble
+from detumble.campaigns.draws import draw
+from detumble.workload import random_starts, start_columns, workload
+
+Array = NDArray[np.float64]
 
 
-def test_starts_are_drawn_as_described() -> None:
-    starts = random_starts(4000, seed=5)
+def dispersed_starts(count: int, seed: int) -> Array:
+    """Draw starts as a campaign of the scenario does."""
+    scenario = detumble.load("workload_w")
+    drawn = draw(scenario, seed, 0, count)
+    assert list(drawn) == ["chaser.position", "chaser.attitude", "debris.attitude", "debris.tumble_rate"]
+    position, chaser, debris, tumble = drawn.values()
+    velocity, rate = (np.tile(still, (count, 1)) for still in (scenario.chaser.velocity, scenario.chaser.rate))
+    return np.hstack([position, velocity, chaser, rate, debris, tumble])
+
+
+@pytest.mark.parametrize("draws", [random_starts, dispersed_starts])
+def test_starts_are_drawn_as_described(draws: Callable[[int, int], Array]) -> None:
+    starts = draws(4000, 5)
     assert starts.shape == (4000, 20)
-    assert np.array_equal(starts, random_starts(4000, seed=5))
+    assert np.array_equal(starts, draws(4000, 5))
     assert np.abs(starts[:, :3]).max() <= 2.0
     assert np.abs(starts[:, :3].mean(axis=0)).max() < 0.1
     assert not starts[:, 3:6].any()
@@ -23,6 +41,13 @@ def test_starts_are_drawn_as_described() -> None:
     tumble = np.linalg.norm(starts[:, 17:20], axis=1)
     assert tumble.max() <= 0.1
     assert abs(tumble.mean() - 0.05) < 0.003
+
+
+def test_starts_become_columns_of_the_case() -> None:
+    starts = random_starts(3)
+    columns = start_columns(starts)
+    assert [path.removeprefix("start.") for path in columns] == list(workload()["start"])
+    assert np.array_equal(np.hstack(list(columns.values())), starts)
 
 
 def test_the_case_is_the_yardstick() -> None:

@@ -30,7 +30,7 @@ class Cluster:
     Args:
         scheduler: its address; None starts one on this machine, bound to loopback, with `workers` workers.
         workers: processes to start, one thread each.
-        backend: of the core on every worker; None takes the best that each has.
+        backend: of the core on every worker; None takes the best that each has, `portable` if there is no better one here.
 
     Raises:
         RequestError: Dask is not installed, or the scheduler cannot be reached.
@@ -42,8 +42,8 @@ class Cluster:
             import distributed
         except ImportError:
             raise RequestError("Dask is not installed; install detumble[cluster]") from None
-        self._backend = backend
-        self._wide = backend != "portable" and "avx2" in core().backends()
+        self._wide = backend != "portable" if backend else "avx2" in core().backends()
+        self._backend = backend or (None if self._wide else "portable")
         self._local: Any = None
         if scheduler is None:
             try:

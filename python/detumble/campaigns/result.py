@@ -115,13 +115,14 @@ class CampaignResult:
 
         Args:
             index: of the run.
-            backend: of the core; None takes its choice.
+            backend: of the core; None takes one that gives the same bits.
 
         Raises:
             RequestError: there is no such run.
         """
         from detumble.campaigns.flying import checked_index, fly_again
 
+        backend = backend or self.store.backend
         return fly_again(self.recipe, checked_index(index, self.statistics.runs), backend=backend)
 
     def sensitivities(self) -> tuple[Sensitivity, Sensitivity]:
