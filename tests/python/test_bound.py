@@ -363,6 +363,23 @@ def test_no_law_beats_the_minimum_time_in_1000_random_starts():
     assert lead == minimum_capture_times(pursuit, start_of(case(scenario, "none"))[None, :])[0]
 
 
+def test_actuators_that_give_more_than_their_limit_move_the_bound():
+    detumble = pytest.importorskip("detumble")
+    from detumble.scenario.core import case
+
+    scenario = detumble.load("paper")
+    nominal = Pursuit.of(case(scenario, "none"))
+    scenario.actuators.force_gain = (3.0, 2.0, 1.0)
+    scenario.actuators.torque_gain = 0.5
+    strong = Pursuit.of(case(scenario, "none"))
+    assert np.allclose(strong.acceleration, nominal.acceleration * [3.0, 2.0, 1.0], rtol=1e-15)
+    assert np.allclose(strong.torque, 0.5 * nominal.torque, rtol=1e-15)
+    scenario.actuators.force_gain = scenario.actuators.torque_gain = 3.0
+    scenario.laws.prrl.translation.slope = 0.5
+    scenario.laws.prrl.translation.gain = 1.0
+    assert minimum_capture_time(scenario) <= detumble.simulate(scenario, "prrl").metrics.capture_time + 1e-9
+
+
 def test_a_start_costs_milliseconds():
     starts = random_starts(np.random.default_rng(9), 60, 2.0)
     minimum_capture_times(BASE, starts[:5])

@@ -208,16 +208,15 @@ def test_a_folder_that_holds_a_campaign_is_continued_only_on_request(
     assert (complete.json["flown"], complete.json["lane_use"], complete.err) == (0, None, "")
 
 
-def test_without_a_folder_the_runs_live_as_long_as_someone_has_them() -> None:
+def test_without_a_folder_the_runs_live_as_long_as_the_process() -> None:
     runs = detumble.campaign(uncertain(), "pd", 50, 3, shard=20).runs
     data = detumble.campaign(uncertain(), "pd", 50, 3).runs.to_xarray()
     assert digest(runs.to_polars()) == digest(detumble.campaign(uncertain(), "pd", 50, 3).runs.to_polars())
     assert data["delta_v_m_s"].values.tolist() == runs.to_polars()["delta_v_m_s"].to_list()
-    result = detumble.campaign(uncertain(), "pd", 5, 3)
-    folder = result.folder
-    assert folder.exists()
-    del result
-    assert not folder.exists()
+    program = "import detumble; print(detumble.campaign('paper', runs=1).folder)"
+    done = subprocess.run([sys.executable, "-X", "dev", "-c", program], capture_output=True, text=True)
+    assert done.stderr == ""
+    assert not Path(done.stdout.strip()).exists()
 
 
 # --- flown again -------------------------------------------------------------------------------------------------------

@@ -157,7 +157,8 @@ def test_the_numbers_of_a_run_are_those_of_its_scenario_and_it_flies_by_them(nam
         columns = overlay(scenario, law, drawn)
         given = case(scenario, law, until_the_end=False)
         assert bool(columns) == (owner in (None, law) and not unused(nominal, path)), law
-        flown = fly_runs(Recipe(scenario.to_toml(), law, SEED), 0, RUNS, backend="portable").columns
+        recipe = Recipe(scenario.to_toml(), law, SEED, arithmetic="portable")
+        flown = fly_runs(recipe, 0, RUNS).columns
         for index, run in enumerate(runs):
             expected = case(run, law, until_the_end=False)
             numbers, wanted = overlaid(given, columns, index), dict(flat(expected))

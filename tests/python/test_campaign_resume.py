@@ -286,6 +286,7 @@ def test_another_campaign_in_the_folder_is_refused_and_left_alone(reference: Cam
         ({"law": "prrl"}, "law pd there, prrl asked for"),
         ({"seed": 4}, "seed 3 there, 4 asked for"),
         ({"shard": 50}, "shard 100 there, 50 asked for"),
+        ({"backend": "portable"}, "arithmetic wide there, portable asked for"),
     ):
         for resume in (False, True):
             with pytest.raises(RequestError, match=f"holds another campaign \\({told}\\)$"):

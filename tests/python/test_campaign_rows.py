@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,7 @@ from detumble.errors import RequestError
 from detumble.scenario import LAWS
 from uncertain import flown, rows_digest, uncertain
 
+QUIET: dict[str, Any] = {"scheduler_kwargs": {"dashboard": False, "dashboard_address": "127.0.0.1:0"}}
 WIDE = {"avx2", "avx512"} & set(core().backends())
 
 
@@ -92,9 +93,8 @@ def test_a_campaign_without_dispersions_still_has_noise_of_its_own_in_each_run(t
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[Any]:
     distributed = pytest.importorskip("distributed")
-    quiet = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, host="127.0.0.1", silence_logs=50, scheduler_kwargs=quiet
+        n_workers=2, threads_per_worker=1, host="127.0.0.1", silence_logs=50, **QUIET
     ) as cluster:
         yield cluster
 
@@ -155,13 +155,55 @@ def test_a_scheduler_that_is_not_there_is_told(tmp_path: Path, monkeypatch: pyte
     assert not (tmp_path / "out").exists()
 
 
+class Call(Unwatched):
+    """Does something once, after three shards."""
+
+    def __init__(self, something: Callable[[], object]) -> None:
+        self.something: Callable[[], object] | None = something
+
+    def now(self, done: int, flown: int, statistics: Statistics) -> None:
+        if self.something and statistics.runs >= 300:
+            self.something()
+            self.something = None
+
+
+def test_a_cluster_that_breaks_down_is_told_and_the_campaign_can_be_continued(
+    reference: CampaignResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    dask, distributed = (pytest.importorskip(name) for name in ("dask", "distributed"))
+    monkeypatch.setattr("detumble.campaigns.cluster._CONNECT_SECONDS", 1)
+    kept = "the shards that are complete are kept, and --resume continues"
+    with (
+        distributed.LocalCluster(n_workers=1, processes=False, silence_logs=50, **QUIET) as cluster,
+        pytest.raises(RequestError, match=f"^the scheduler is lost; {kept}$"),
+    ):
+        flown(tmp_path, runs=10**5, scheduler=cluster.scheduler_address, watcher=Call(cluster.close))
+    assert len(list((tmp_path / "shards").iterdir())) >= 3
+
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, silence_logs=50, **QUIET) as cluster,
+        cluster.get_client() as client,
+    ):
+        (worker,) = client.run(os.getpid).values()
+        killed = Call(lambda: os.kill(worker, signal.SIGKILL))
+        address = cluster.scheduler_address
+        with pytest.raises(RequestError, match=f"^workers died over the same runs again and again; {kept}$"):
+            flown(tmp_path, runs=10**5, scheduler=address, resume=True, watcher=killed)
+        client.wait_for_workers(1, timeout=60)
+        ended = flown(tmp_path, scheduler=address, resume=True)
+    assert rows_digest(ended) == rows_digest(reference)
+
+
 def test_a_worker_that_would_give_other_rows_refuses(monkeypatch: pytest.MonkeyPatch) -> None:
     recipe = Recipe(uncertain().to_toml(), "pd", 0)
     with pytest.raises(RequestError, match=r"a worker has detumble .*, the campaign 0\.0: runs might differ"):
-        fly_shard(recipe.to_dict() | {"version": "0.0"}, 0, 1, None, False)
+        fly_shard(recipe.to_dict() | {"version": "0.0"}, 0, 1, None)
+    with pytest.raises(RequestError, match="backend portable: its rows would differ in the last bits from those"):
+        fly_shard(recipe.to_dict(), 0, 1, "portable")
     monkeypatch.setattr("detumble._core.backends", lambda: ["portable"])
     with pytest.raises(RequestError, match="no AVX2: its rows would differ"):
-        fly_shard(recipe.to_dict(), 0, 1, None, True)
+        fly_shard(recipe.to_dict(), 0, 1, None)
 
 
 def test_without_dask_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -115,9 +115,12 @@ def test_the_reference_lists_every_cause_of_failure_and_every_attribute_of_the_r
 
 def test_the_reference_lists_every_file_written(tmp_path: Path) -> None:
     page = REFERENCE.read_text(encoding="utf-8")
-    for command in (["run", "paper"], ["paper"], ["campaign", "paper", "--runs", "20"]):
-        code, printed = call([*command, "--out", str(tmp_path / command[0])])
+    uncertain = 'dispersions=[{field = "chaser.mass", distribution = "normal", sigma = 0.1}]'
+    drawn = ["campaign", "paper", "--runs", "20", "--figures", "--set", "time.duration=30.0", uncertain]
+    for command in (["run", "paper"], ["paper"], drawn):
+        folder = tmp_path / command[0]
+        code, printed = call([*command, "--out", str(folder)])
         assert code == 0, printed
-        for file in (tmp_path / command[0]).rglob("*"):
-            if file.is_file():
-                assert f"`{file.name}`" in page or f"`{file.stem}`" in page, file.name
+        for file in (file for file in folder.rglob("*") if file.is_file()):
+            named = {file.name, file.stem, str(file.relative_to(folder))}
+            assert any(f"`{name}`" in page for name in named), file.name

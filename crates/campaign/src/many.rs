@@ -9,7 +9,8 @@ use detumble_core::number::{Backend, Job, Mask, Real, Stream, dispatch};
 use detumble_core::scene::{Scene, Sortie};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// How a fleet is flown; nothing of it but the seed and the first index reaches the results.
+/// How a fleet is flown. Seed and first index name the random numbers; of all else only whether the back end is portable or
+/// wide reaches the results, and that in the last bits.
 pub struct Operation<'a> {
     /// Of the random streams.
     pub seed: u64,

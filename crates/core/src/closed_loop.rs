@@ -197,7 +197,7 @@ pub struct Tick<R: Real> {
     pub number: R,
     /// t_k \[s\].
     pub time: R,
-    /// Whether the wrench is flown; not at a flight's last tick.
+    /// Not the last tick of a whole flight. The wrench is flown, unless the observer says that the flight is over.
     pub flown: R::Mask,
     /// The true goal.
     pub target: Target<R>,

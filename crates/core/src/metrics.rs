@@ -139,7 +139,8 @@ impl<R: Real> Observer<R> for Metrics<R> {
         closest.speed = closest.speed.min(judged.speed_squared);
         self.longest_held = self.longest_held.max(flight.capture.held);
 
-        self.count_effort(scene, tick, finite & tick.flown);
+        let flown_on = tick.flown & !self.over(scene, flight, tick);
+        self.count_effort(scene, tick, finite & flown_on);
     }
 
     #[inline(always)]
@@ -205,6 +206,9 @@ impl<R: Real> Metrics<R> {
 
         let (end_time, settled_from) = (time.lane(i), self.settled_from(flight, plan).lane(i));
         let settled = merged && diverged == NEVER && settled_from < end_time + 0.5 * plan.control_period;
+        // Nobody waits for a stack to settle where there is none, or where the flight ends at capture.
+        let awaited = merged && plan.end != End::Captured;
+        let final_stack = merged && diverged == NEVER;
         let end_angle = angle(error.attitude.vector().lane(i).norm(), error.attitude.scalar().lane(i));
 
         let flown = self.flown.lane(i);
@@ -214,7 +218,7 @@ impl<R: Real> Metrics<R> {
         let own = to_capture * scene.numbers.chaser.inverse_mass.lane(i);
         let delta_v = own + (impulse - to_capture) * flight.vehicle.inverse_mass.lane(i);
         Summary {
-            failure: self.failure(scene, i, diverged < NEVER, captured, settled || !merged),
+            failure: self.failure(scene, i, diverged < NEVER, captured, settled || !awaited),
             end_time,
             capture_time: if_so(captured, capture),
             settling_time: if_so(settled, settled_from - capture),
@@ -231,10 +235,10 @@ impl<R: Real> Metrics<R> {
             torque_saturated_share: self.saturated_torque.lane(i) / flown,
             force_chattering: self.force_variation.lane(i) / flown,
             torque_chattering: self.torque_variation.lane(i) / flown,
-            final_rate: if_so(merged, error.rate.lane(i).norm()),
-            final_pointing: if_so(merged, end_angle),
+            final_rate: if_so(final_stack, error.rate.lane(i).norm()),
+            final_pointing: if_so(final_stack, end_angle),
             momentum_at_capture: if_so(merged, at.momentum.lane(i)),
-            final_momentum: if_so(merged, momentum(flight).lane(i)),
+            final_momentum: if_so(final_stack, momentum(flight).lane(i)),
             capture_distance: if_so(captured, at.distance.lane(i)),
             capture_angle: if_so(captured, angle(at.half_sine.lane(i), at.half_cosine.lane(i))),
             capture_rate: if_so(captured, at.rate.lane(i)),

@@ -33,6 +33,12 @@ if TYPE_CHECKING:
 FIRST_HORIZON = 256  # ticks looked at before more are
 
 
+def _given(actuators: Mapping[str, Any], what: str) -> Array:
+    """Give the most that the actuators deliver on each axis: the limit, off by their gain; shape (3,)."""
+    most: Array = np.array(actuators[what], float) * np.array(actuators[f"{what}_gain"], float)
+    return most
+
+
 @dataclass(frozen=True)
 class Pursuit:
     """What does not differ from start to start: limits, bodies, goal and thresholds, SI.
@@ -40,8 +46,8 @@ class Pursuit:
     Attributes:
         mean_motion: rad/s.
         lvlh_attitude: (4,) H → N at t = 0.
-        acceleration: (3,) force limit over the chaser's mass, H axes, m/s²; may be inf.
-        torque: (3,) limit, chaser axes, N m; may be inf.
+        acceleration: (3,) largest force given over the chaser's mass, H axes, m/s²; may be inf.
+        torque: (3,) largest given, chaser axes, N m; may be inf.
         chaser_inertia, debris_inertia: (3, 3) kg m².
         goal: (3,) r_des in H, m; unused with grasp points.
         grasp_points: chaser's and debris', each (3,) m in its own axes, or None.
@@ -77,8 +83,8 @@ class Pursuit:
         return cls(
             mean_motion=float(case["orbit"]["mean_motion"]),
             lvlh_attitude=np.array(case["orbit"]["lvlh_attitude"], float),
-            acceleration=np.array(case["actuators"]["force"], float) / float(chaser["mass"]),
-            torque=np.array(case["actuators"]["torque"], float),
+            acceleration=_given(case["actuators"], "force") / float(chaser["mass"]),
+            torque=_given(case["actuators"], "torque"),
             chaser_inertia=np.array(chaser["inertia"], float),
             debris_inertia=np.array(debris["inertia"], float),
             goal=np.array(case["goal"]["position"], float),

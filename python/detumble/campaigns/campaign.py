@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import platform
 import shutil
 import time
-import weakref
 from collections import deque
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Protocol
 import polars as pl
 
 from detumble.campaigns.crews import Threads
-from detumble.campaigns.recipe import SHARD, Recipe
+from detumble.campaigns.recipe import SHARD, Recipe, arithmetic
 from detumble.campaigns.result import CampaignResult, Effort
 from detumble.campaigns.shard import frame_of
 from detumble.campaigns.statistics import Statistics
@@ -90,7 +90,7 @@ def campaign(
         law: one of `LAWS`, or `none` for open loop.
         runs: how many. Run i is the same run whatever their number.
         seed: of all random numbers, 0 to 2^64 - 1.
-        out: folder for the runs; None keeps them in a temporary one as long as the result or its table of runs lives.
+        out: folder for the runs; None keeps them in a temporary one as long as the process lives.
         threads: of this process; None uses all processors.
         scheduler: address of a Dask scheduler whose workers fly instead.
         local_cluster: number of Dask workers to start on this machine instead.
@@ -110,17 +110,16 @@ def campaign(
     scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
     _check(runs, seed, shard, until_ci, threads, local_cluster, scheduler)
     case(scenario, law)
-    recipe = Recipe(scenario.to_toml(), law, seed, shard=shard)
+    recipe = Recipe(scenario.to_toml(), law, seed, shard=shard, arithmetic=arithmetic(checked_backend(backend)))
     watcher = watcher or Unwatched()
     crew = _crew(threads, scheduler, local_cluster, backend)
     with closing(crew), _folder(out) as folder:
         about = crew.about() | {"machine": platform.machine(), "system": platform.platform()}
         with Store.create(folder, recipe, runs, about=about, resume=resume) as store:
             statistics, effort = _fly(store, crew, runs, until_ci, watcher)
-        flown = Store.open(folder)
         if out is None:
-            weakref.finalize(flown, shutil.rmtree, folder, ignore_errors=True)
-        return CampaignResult(flown, statistics, effort)
+            atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        return CampaignResult(Store.open(folder), statistics, effort)
 
 
 def _check(
@@ -186,7 +185,7 @@ def _fly(store: Store, crew: Crew, runs: int, until_ci: float | None, watcher: W
             effort.count(rows.height, flown.ticks, flown.lane_ticks)
         statistics.add(rows)
         tell()
-        if until_ci is not None and statistics.success.half_width <= until_ci:
+        if until_ci is not None and statistics.first_narrow_enough(until_ci) is not None:
             break
     effort.seconds = time.perf_counter() - began
     return statistics, effort

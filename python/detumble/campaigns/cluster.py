@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import logging
+from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from detumble.campaigns.flying import Flown, fly_runs
 from detumble.campaigns.recipe import Recipe
-from detumble.compiled import core
 from detumble.errors import RequestError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from detumble.campaigns.crews import Promise
 
 WORKER_LOSSES = 1000
 """Workers that may die over one shard before it is given up; Dask's own default is 3."""
 _CONNECT_SECONDS = 30
+_KEPT = "the shards that are complete are kept, and --resume continues"
 _QUIET = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}
 """No dashboard, and no complaint where another cluster has its port."""
 _SETTINGS = {
@@ -30,7 +35,7 @@ class Cluster:
     Args:
         scheduler: its address; None starts one on this machine, bound to loopback, with `workers` workers.
         workers: processes to start, one thread each.
-        backend: of the core on every worker; None takes the best that each has, `portable` if there is no better one here.
+        backend: of the core on every worker; None takes the best that each has.
 
     Raises:
         RequestError: Dask is not installed, or the scheduler cannot be reached.
@@ -42,8 +47,7 @@ class Cluster:
             import distributed
         except ImportError:
             raise RequestError("Dask is not installed; install detumble[cluster]") from None
-        self._wide = backend != "portable" if backend else "avx2" in core().backends()
-        self._backend = backend or (None if self._wide else "portable")
+        self._backend = backend
         self._local: Any = None
         if scheduler is None:
             try:
@@ -60,6 +64,7 @@ class Cluster:
                     f"local_cluster {workers}: cannot be started: {error} In a script, fly the campaign beneath "
                     '`if __name__ == "__main__":`'
                 ) from None
+        logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # `_losses_told` says it in one message
         try:
             self._client: Any = distributed.Client(  # type: ignore[no-untyped-call]  # likewise
                 self._local or scheduler, timeout=_CONNECT_SECONDS
@@ -70,15 +75,13 @@ class Cluster:
     @property
     def ahead(self) -> int:
         """Three shards for each worker: one that it flies, one that it has, one on its way back."""
-        return 3 * max(1, len(self._client.nthreads()))
+        with _losses_told():
+            return 3 * max(1, len(self._client.nthreads()))
 
     def submit(self, recipe: Recipe, first: int, count: int) -> Promise:
         """Have runs flown by a worker; one that dies over them is replaced by another."""
-        key = f"{recipe.identity}-{first}"
-        promise: Promise = self._client.submit(
-            fly_shard, recipe.to_dict(), first, count, self._backend, self._wide, key=key
-        )
-        return promise
+        key = f"{recipe.identity}-{first}-{count}-{self._backend}"
+        return _Ordered(self._client.submit(fly_shard, recipe.to_dict(), first, count, self._backend, key=key))
 
     def landed(self) -> int:
         """Nothing is known of shards in progress."""
@@ -100,7 +103,40 @@ class Cluster:
             self._local.close()
 
 
-def fly_shard(recipe: dict[str, Any], first: int, count: int, backend: str | None, wide: bool) -> Flown:
+@dataclass
+class _Ordered:
+    """Runs that workers were told to fly."""
+
+    future: Any
+
+    def result(self, timeout: float | None = None) -> Flown:
+        """Wait for them, as `Promise` says."""
+        with _losses_told():
+            flown: Flown = self.future.result(timeout)
+        return flown
+
+
+@contextmanager
+def _losses_told() -> Iterator[None]:
+    """Say in one message that a cluster broke down.
+
+    Raises:
+        RequestError: the scheduler is lost, or workers died over the same runs more often than it allows.
+    """
+    from distributed import KilledWorker
+    from distributed.client import FutureCancelledError
+
+    try:
+        yield
+    except TimeoutError:  # that is no loss
+        raise
+    except (OSError, FutureCancelledError):
+        raise RequestError(f"the scheduler is lost; {_KEPT}") from None
+    except KilledWorker:
+        raise RequestError(f"workers died over the same runs again and again; {_KEPT}") from None
+
+
+def fly_shard(recipe: dict[str, Any], first: int, count: int, backend: str | None) -> Flown:
     """Fly runs on a worker.
 
     Args:
@@ -108,7 +144,6 @@ def fly_shard(recipe: dict[str, Any], first: int, count: int, backend: str | Non
         first: index of the first run.
         count: number of runs.
         backend: of the core.
-        wide: the rows are to be those of the wide back ends, to the bit.
 
     Raises:
         RequestError: this worker's rows would be others.
@@ -118,9 +153,5 @@ def fly_shard(recipe: dict[str, Any], first: int, count: int, backend: str | Non
     if detumble.__version__ != recipe["version"]:
         raise RequestError(
             f"a worker has detumble {detumble.__version__}, the campaign {recipe['version']}: runs might differ"
-        )
-    if wide and "avx2" not in core().backends():
-        raise RequestError(
-            "a worker's processor has no AVX2: its rows would differ in the last bits; use --backend portable throughout"
         )
     return fly_runs(Recipe(**recipe), first, count, backend=backend)

@@ -9,9 +9,6 @@ from typing import TYPE_CHECKING, Protocol
 from detumble.campaigns.flying import Flown, fly_runs
 
 if TYPE_CHECKING:
-    from types import TracebackType
-    from typing import Self
-
     from detumble.campaigns.recipe import Recipe
 
 
@@ -102,14 +99,6 @@ class Threads:
         """Break off what is still flying."""
         self._stopping = True
         self._pool.shutdown(wait=True, cancel_futures=True)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 def available_threads() -> int:

@@ -9,12 +9,12 @@ import numpy as np
 
 from detumble.campaigns.draws import draw, drawn_scenario
 from detumble.campaigns.overlay import overlay
+from detumble.campaigns.recipe import WIDE, arithmetic
 from detumble.campaigns.rows import (
     CODES,
     END_TIME,
     FAILURE,
     INDEX,
-    NOT_SETTLED,
     SCALARS,
     SUCCEEDED,
     SUCCESS,
@@ -72,7 +72,9 @@ def fly_runs(
 
     Raises:
         ScenarioError: the scenario cannot be flown.
+        RequestError: the back end would give other bits than the campaign's.
     """
+    backend = suitable(recipe, backend)
     scenario = recipe.parsed
     nominal = case(scenario, recipe.law, until_the_end=False)
     drawn = draw(scenario, recipe.seed, first, count)
@@ -88,11 +90,8 @@ def fly_runs(
         rows = values.reshape(count, -1)
         names = drawn_names(path, shapes[path].shape, rows.shape[1])
         columns |= {name: rows[:, element] for element, name in enumerate(names)}
-    failures = flown["failure"]
-    if nominal["plan"]["end"] == "captured":  # nobody waited for the stack to settle
-        failures = np.where(failures == NOT_SETTLED, SUCCESS, failures)
-    columns[SUCCEEDED.name] = failures == SUCCESS
-    columns[FAILURE.name] = _CAUSES[failures].tolist()
+    columns[SUCCEEDED.name] = flown["failure"] == SUCCESS
+    columns[FAILURE.name] = _CAUSES[flown["failure"]].tolist()
     columns[END_TIME.name] = flown["end_time"]
     columns |= {metric.key: flown[metric.source] for metric in SCALARS}
     return Flown(columns, flown["ticks"], flown["lane_ticks"])
@@ -111,9 +110,11 @@ def fly_again(recipe: Recipe, index: int, *, backend: str | None = None) -> Flig
 
     Raises:
         ScenarioError: the scenario cannot be flown.
+        RequestError: the back end would give other bits than the campaign's.
     """
     from detumble.flight import flown
 
+    backend = suitable(recipe, backend)
     scenario = recipe.parsed
     differing = overlay(scenario, recipe.law, draw(scenario, recipe.seed, index, 1))
     numbers = case(scenario, recipe.law, until_the_end=False)
@@ -121,6 +122,23 @@ def fly_again(recipe: Recipe, index: int, *, backend: str | None = None) -> Flig
         _put(numbers, path, row[0].tolist())
     own = drawn_scenario(scenario, recipe.seed, index)
     return flown(own, recipe.law, recipe.seed, index, backend, numbers, list(differing))
+
+
+def suitable(recipe: Recipe, backend: str | None) -> str | None:
+    """Give a back end whose bits are those of the campaign; None leaves the choice among several to the core.
+
+    Raises:
+        RequestError: the one that is asked for has others, or this machine has none.
+    """
+    if backend is not None and arithmetic(backend) != recipe.arithmetic:
+        raise RequestError(
+            f"backend {backend}: its rows would differ in the last bits from those of this campaign ({recipe.arithmetic})"
+        )
+    if recipe.arithmetic == "wide" and WIDE not in core().backends():
+        raise RequestError(
+            "this processor has no AVX2: its rows would differ in the last bits; use --backend portable throughout"
+        )
+    return "portable" if recipe.arithmetic == "portable" else backend
 
 
 def _put(numbers: dict[str, Any], path: str, row: list[float]) -> None:

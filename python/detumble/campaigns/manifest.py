@@ -78,7 +78,9 @@ def read_manifest(folder: Path) -> Manifest:
 
 def differences(there: Recipe, asked: Recipe) -> str:
     """Say in what two recipes differ, the three first fields of their scenarios included."""
-    both = {name: (getattr(there, name), getattr(asked, name)) for name in ("law", "seed", "version", "shard")}
+    both = {
+        name: (getattr(there, name), getattr(asked, name)) for name in ("law", "seed", "version", "shard", "arithmetic")
+    }
     found = [f"{name} {old} there, {new} asked for" for name, (old, new) in both.items() if old != new]
     if there.scenario != asked.scenario:
         try:

@@ -6,9 +6,11 @@ import math
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
+import polars as pl
 
+from detumble.campaigns import draws
 from detumble.campaigns.inputs import drawn_columns, inputs
-from detumble.campaigns.rows import SUCCEEDED
+from detumble.campaigns.rows import SUCCEEDED, drawn_names
 from detumble.errors import RequestError
 from detumble.scenario.dispersions.fitting import fields
 from detumble.scenario.wording import did_you_mean, pretty
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
 
     from detumble.campaigns.result import CampaignResult
     from detumble.campaigns.sensitivity import Sensitivity
+    from detumble.scenario.model import Scenario
 
 Array: TypeAlias = "NDArray[np.float64]"
 
@@ -59,13 +62,13 @@ def draw(result: CampaignResult, over: Sequence[str], target: float | None) -> l
     """
     statistics, recipe = result.statistics, result.recipe
     scenario, law = recipe.parsed, recipe.law
+    check_map(scenario, over)
     caption = Caption(scenario.title, law, statistics.runs, recipe.seed)
     folder = result.folder / "figures"
     rows = result.runs.lazy().head(MAPPED)
     rows = rows.select(SUCCEEDED.name, *drawn_columns(rows.collect_schema().names()))
     table = rows.collect()
     varying, _ = inputs(table, scenario)
-    _check(over, varying)
     with output_folder(folder):
         settled = {law: statistics.ecdf("settled_time_s")} if scenario.capture.merge and law != "none" else {}
         files = [
@@ -86,14 +89,31 @@ def draw(result: CampaignResult, over: Sequence[str], target: float | None) -> l
     return files
 
 
-def _check(over: Sequence[str], varying: dict[str, Array]) -> None:
+def check_map(scenario: Scenario, over: Sequence[str]) -> None:
+    """Make sure, before anything is flown, that a success map can be drawn over two inputs.
+
+    Args:
+        scenario: what is flown.
+        over: the two inputs; none is fine.
+
+    Raises:
+        RequestError: they are not two, or not drawn.
+    """
+    if not over:
+        return
+    drawn: dict[str, Array] = {}
+    for path, values in draws.draw(scenario, 0, 0, 2).items():
+        rows = values.reshape(2, -1)
+        names = drawn_names(path, fields()[path].shape, rows.shape[1])
+        drawn |= {name: rows[:, element] for element, name in enumerate(names)}
+    varying, _ = inputs(pl.DataFrame(drawn), scenario)
     for name in over:
         if name not in varying:
             raise RequestError(
-                f"map {name}: not drawn{did_you_mean(name, varying)}; there are {', '.join(varying) or 'none'}"
+                f"--map {name}: not drawn{did_you_mean(name, varying)}; there are {', '.join(varying) or 'none'}"
             )
-    if over and len(set(over)) != 2:
-        raise RequestError("map: needs two different inputs")
+    if len(over) != 2 or over[0] == over[1]:
+        raise RequestError("--map: give it twice, with two different inputs")
 
 
 def _strongest(outcomes: Sequence[Sensitivity], varying: dict[str, Array]) -> tuple[str, str]:

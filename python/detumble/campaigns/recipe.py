@@ -9,12 +9,21 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import detumble
+from detumble.compiled import core
 
 if TYPE_CHECKING:
     from detumble.scenario.model import Scenario
 
 SHARD = 16_384
 """Runs in a shard: about a second of work, and a few megabytes."""
+WIDE = "avx2"
+"""The least that a processor needs for wide arithmetic."""
+
+
+def arithmetic(backend: str | None) -> str:
+    """Say whose bits the rows have that a back end gives; None is the best that this machine has."""
+    portable = backend == "portable" or (backend is None and WIDE not in core().backends())
+    return "portable" if portable else "wide"
 
 
 @dataclass(frozen=True)
@@ -27,6 +36,8 @@ class Recipe:
         seed: of dispersions and sensor noise.
         version: of detumble.
         shard: runs in a shard.
+        arithmetic: `wide`, of the back ends avx2 and avx512, which give the same bits, or `portable`, whose rows agree to
+            1e-12 but not in the last bits.
     """
 
     scenario: str
@@ -34,6 +45,7 @@ class Recipe:
     seed: int
     version: str = detumble.__version__
     shard: int = SHARD
+    arithmetic: str = "wide"
 
     @cached_property
     def parsed(self) -> Scenario:

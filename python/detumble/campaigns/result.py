@@ -122,7 +122,6 @@ class CampaignResult:
         """
         from detumble.campaigns.flying import checked_index, fly_again
 
-        backend = backend or self.store.backend
         return fly_again(self.recipe, checked_index(index, self.statistics.runs), backend=backend)
 
     def sensitivities(self) -> tuple[Sensitivity, Sensitivity]:

@@ -65,11 +65,16 @@ SUCCEEDED = Column("success", "", "captured, and settled where the bodies merge;
 FAILURE = Column("failure", "", "why the run failed; null for a success")
 END_TIME = Column("end_time_s", "s", "time at which the flight was ended")
 SCALARS = tuple(metric for metric in METRICS if not metric.name.endswith("_axes"))
+EARLY = {
+    "settling_time": "from capture to the tick from which angle and rate against H hold to the end of this flight; where "
+    "campaign.end is settled, that is campaign.hold later, and what the stack would do after it is not known"
+}
+"""Definitions that mean something else of a flight that may end before its duration."""
 RESULTS = (
     SUCCEEDED,
     FAILURE,
     END_TIME,
-    *(Column(metric.key, metric.unit, metric.definition) for metric in SCALARS),
+    *(Column(metric.key, metric.unit, EARLY.get(metric.name, metric.definition)) for metric in SCALARS),
 )
 """What each run ends with; the drawn values stand between `index` and these, under their fields' paths."""
 

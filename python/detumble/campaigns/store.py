@@ -101,11 +101,6 @@ class Store:
         """The most runs that were ever asked of the campaign."""
         return self.manifest.runs
 
-    @property
-    def backend(self) -> str | None:
-        """The back end that gives the rows again to the bit; None where that is any of the wide ones."""
-        return "portable" if all(about.get("backend") == "portable" for about in self.manifest.about) else None
-
     def close(self) -> None:
         """Let other processes fly the campaign."""
         if self._lock:

@@ -9,10 +9,12 @@ import typer
 
 from detumble.commands.arguments import folder
 from detumble.commands.printing import fixed, json_text, print_json, remark, table
+from detumble.errors import RequestError
 
 if TYPE_CHECKING:
     from detumble.campaigns.result import CampaignResult
     from detumble.campaigns.statistics import Statistics
+    from detumble.scenario.model import Scenario
 
 DEFAULT_RUNS = 1000
 MOST_RUNS = 1_000_000
@@ -66,6 +68,10 @@ def campaign(
     chosen = load(scenario)
     if settings or more:
         chosen = with_settings(chosen, [*(settings or ()), *(more or ())], scenario)
+    if over and not figures:
+        raise RequestError("--map: needs --figures")
+    if figures:
+        _check_figures(chosen, tuple(over or ()))
     with Progress(out) as progress:
         result = fly(
             chosen,
@@ -94,6 +100,16 @@ def campaign(
         )
     for file in drawn:
         remark(f"written: {file}")
+
+
+def _check_figures(scenario: Scenario, over: tuple[str, ...]) -> None:
+    """Make sure, before anything is flown, that the pictures can be drawn."""
+    from detumble.campaigns.pictures import check_map
+    from detumble.campaigns.sensitivity import pawn
+
+    check_map(scenario, over)
+    if scenario.dispersions:
+        pawn()
 
 
 def _text(result: CampaignResult) -> str:

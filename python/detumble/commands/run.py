@@ -21,8 +21,9 @@ ALWAYS_SHOWN = ("capture_time", "settling_time")
 def run(
     scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")] = "",
     more: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")] = None,
-    law: Annotated[str, typer.Option(help="pd, lqr, sosmc, tsmc, prrl, or none for open loop.")] = "prrl",
-    seed: Annotated[int, typer.Option(help="Seed of the sensor noise.")] = 0,
+    law: Annotated[str | None, typer.Option(help="pd, lqr, sosmc, tsmc, prrl, or none for open loop.  [prrl]")] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed of the sensor noise.  [0]")] = None,
+    index: Annotated[int, typer.Option(help="Number of the trajectory under that seed: each has its own noise.")] = 0,
     replay: Annotated[
         str, typer.Option(metavar="DIR:INDEX", help="Fly a run of a campaign again, instead of a scenario.")
     ] = "",
@@ -45,11 +46,15 @@ def run(
         raise RequestError("run: needs either a scenario or --replay DIR:INDEX")
     with output_folder(out):
         if replay:
-            flight = _again(replay, changes, backend)
+            if changes or index or law is not None or seed is not None:
+                raise RequestError("--replay: flies a run as it was; neither law nor seed nor field can be set")
+            flight = _again(replay, backend)
         else:
             chosen = load(scenario)
             chosen = with_settings(chosen, changes, scenario) if changes else chosen
-            flight = simulate(chosen, law, seed, backend=backend)
+            flight = simulate(chosen, law or "prrl", seed or 0, index=index, backend=backend)
+            if chosen.dispersions:
+                remark(f"nominal values flown: {len(chosen.dispersions)} dispersions are for detumble campaign")
         files = _write(flight, out) if out else []
     if as_json:
         print_json(_json(flight, files))
@@ -63,7 +68,7 @@ def run(
         raise typer.Exit(1)
 
 
-def _again(replay: str, changes: list[str], backend: str | None) -> Flight:
+def _again(replay: str, backend: str | None) -> Flight:
     """Fly the run DIR:INDEX of a campaign."""
     from detumble.campaigns.flying import checked_index, fly_again
     from detumble.campaigns.store import Store
@@ -71,8 +76,6 @@ def _again(replay: str, changes: list[str], backend: str | None) -> Flight:
     directory, colon, index = replay.rpartition(":")
     if not (colon and directory and index.isdecimal()):
         raise RequestError(f"--replay {replay}: must be DIR:INDEX, the folder of a campaign and the number of a run")
-    if changes:
-        raise RequestError("--replay: flies a run as it was; nothing can be set")
     store = Store.open(directory)
     return fly_again(store.recipe, checked_index(int(index), store.runs), backend=backend)
 
@@ -102,10 +105,11 @@ def _text(flight: Flight) -> str:
             continue
         shown = "  ".join(cell(element, 4) for element in value) if isinstance(value, tuple) else cell(value, 4)
         rows.append((metric.label, shown, metric.unit))
+    run = f", run {flight.index}" if flight.index else ""
     width = max(len(row[1]) for row in rows)
     lines = table([(label, shown.rjust(width)) for label, shown, _ in rows], header=False).splitlines()
     body = [f"{line}  {unit}".rstrip() for line, (_, _, unit) in zip(lines, rows, strict=True)]
-    return "\n".join([flight.scenario.title, f"{TITLES[flight.law]}, seed {flight.seed}", "", *body])
+    return "\n".join([flight.scenario.title, f"{TITLES[flight.law]}, seed {flight.seed}{run}", "", *body])
 
 
 def _write(flight: Flight, folder: Path) -> list[Path]:

@@ -223,7 +223,7 @@ class Campaign(Section):
         "settled",
         description="when the stack has been settled for `hold` (at capture, if nothing merges), at capture, or never early",
     )
-    hold: Annotated[float, Quantity("s", "how long the stack must have been settled", least=0.0, most=1e7)] = 10.0
+    hold: Annotated[float, Quantity("s", "how long the stack must have been settled", least=0.0, most=1e7)] = 60.0
 
 
 def _grasp_fault(chaser: object, debris: object) -> str | None:

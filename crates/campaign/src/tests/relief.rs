@@ -45,6 +45,21 @@ fn an_early_end_cuts_a_flight_short_and_changes_nothing_before() {
 }
 
 #[test]
+fn the_wrench_of_a_tick_at_which_a_flight_ends_is_not_flown_and_not_counted() {
+    for law in LAWS {
+        let mut campaign = Campaign::new(law, Way::Paper, 300, true);
+        campaign.plan.end = End::Captured;
+        for outcome in campaign.fly(16, Backend::best(), 1) {
+            let s = outcome.summary;
+            if s.capture_time.is_finite() {
+                assert_eq!((s.end_time, s.failure), (s.capture_time, 0), "{law}");
+                assert_eq!(s.delta_v, s.delta_v_to_capture, "{law}");
+            }
+        }
+    }
+}
+
+#[test]
 fn lanes_are_busy_although_flights_differ_in_length() {
     let mut campaign = Campaign::new("prrl", Way::Paper, 60, false);
     campaign.plan.end = End::Captured;

@@ -33,16 +33,6 @@ impl Noisy {
             rate: sigmas.rate != 0.0,
         }
     }
-
-    /// Noisy in either.
-    pub fn or(self, other: Self) -> Self {
-        Self {
-            position: self.position || other.position,
-            velocity: self.velocity || other.velocity,
-            attitude: self.attitude || other.attitude,
-            rate: self.rate || other.rate,
-        }
-    }
 }
 
 /// What the sensors see of the truth at control tick `tick`, a whole number.
