@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import detumble
@@ -58,6 +59,34 @@ def test_the_scenarios_ask_for_what_they_are_there_for() -> None:
     assert twelve.has_grasp_points
     for body in (twelve.chaser, twelve.debris):
         assert all(body.inertia[i][j] != 0.0 for i in range(3) for j in range(3))
+
+
+def test_the_dispersed_case_is_the_papers_but_for_its_dispersions() -> None:
+    paper, dispersed = (detumble.load(name).to_dict() for name in ("paper", "paper_dispersed"))
+    own = {"title", "description", "dispersions", "correlations"}
+    assert {name: paper[name] for name in paper.keys() - own} == {
+        name: dispersed[name] for name in dispersed.keys() - own
+    }
+    assert not paper["dispersions"]
+
+
+def test_the_dispersed_case_fails_seldom_and_for_want_of_torque() -> None:
+    """Most runs succeed; the failures tell something: the torque cannot follow a fast tumble, and more torque helps."""
+    case = detumble.load("paper_dispersed")
+    campaign = detumble.campaign(case, "prrl", runs=2000, seed=1)
+    statistics = campaign.statistics
+    assert statistics.success.low > 0.9
+    assert statistics.success.high < 0.99
+    assert len(statistics.failures) >= 3
+    assert statistics.saturated_failures > 0.9 * sum(share.count for share in statistics.failures.values())
+    runs = campaign.runs.to_polars()
+    tumble = np.linalg.norm([runs[f"debris.tumble_rate.{axis}"] for axis in "xyz"], axis=0)
+    failed = ~runs["success"].to_numpy()
+    assert tumble[failed].min() > 0.3
+    assert np.median(tumble[~failed]) < 0.15
+
+    stronger = with_settings(case, ["actuators.torque_limit=0.02"])
+    assert detumble.campaign(stronger, "prrl", runs=2000, seed=1).statistics.success.low > statistics.success.share
 
 
 def test_the_script_finds_the_gains_that_are_shipped(monkeypatch: pytest.MonkeyPatch) -> None:

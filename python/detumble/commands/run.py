@@ -19,7 +19,7 @@ ALWAYS_SHOWN = ("capture_time", "settling_time")
 
 
 def run(
-    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")] = "",
+    scenario: Annotated[str | None, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")] = None,
     more: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")] = None,
     law: Annotated[str | None, typer.Option(help="pd, lqr, sosmc, tsmc, prrl, or none for open loop.  [prrl]")] = None,
     seed: Annotated[int | None, typer.Option(help="Seed of the sensor noise.  [0]")] = None,
@@ -42,10 +42,10 @@ def run(
     from detumble.writing import output_folder
 
     changes = [*(settings or ()), *(more or ())]
-    if bool(scenario) == bool(replay):
+    if (scenario is None) == (not replay):
         raise RequestError("run: needs either a scenario or --replay DIR:INDEX")
     with output_folder(out):
-        if replay:
+        if scenario is None:
             if changes or index or law is not None or seed is not None:
                 raise RequestError("--replay: flies a run as it was; neither law nor seed nor field can be set")
             flight = _again(replay, backend)
