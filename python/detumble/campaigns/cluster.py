@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import logging
+import socket
+import time
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
 WORKER_LOSSES = 1000
 """Workers that may die over one shard before it is given up; Dask's own default is 3."""
 _CONNECT_SECONDS = 30
+_PORT = 8786
+"""Dask's own, where an address names none."""
 _KEPT = "the shards that are complete are kept, and --resume continues"
 _QUIET = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}
 """No dashboard, and no complaint where another cluster has its port."""
@@ -49,7 +53,9 @@ class Cluster:
             raise RequestError("Dask is not installed; install detumble[cluster]") from None
         self._backend = backend
         self._local: Any = None
-        if scheduler is None:
+        if scheduler is not None:
+            _await(scheduler)
+        else:
             try:
                 with dask.config.set(_SETTINGS):
                     self._local = distributed.LocalCluster(  # type: ignore[no-untyped-call]  # Dask has no types here
@@ -101,6 +107,28 @@ class Cluster:
         self._client.close()
         if self._local:
             self._local.close()
+
+
+def _await(scheduler: str) -> None:
+    """Wait until a scheduler answers. A client of Dask's that never connected may block the process when it is collected.
+
+    Raises:
+        RequestError: it does not answer for half a minute.
+    """
+    from distributed.comm.addressing import get_address_host_port
+
+    if scheduler.startswith("inproc://"):  # in this very process
+        return
+    deadline = time.monotonic() + _CONNECT_SECONDS
+    while True:
+        try:
+            host, port = get_address_host_port(scheduler)
+            socket.create_connection((host, port or _PORT), timeout=_CONNECT_SECONDS).close()
+            return
+        except (OSError, OverflowError, ValueError) as error:
+            if isinstance(error, ValueError | OverflowError) or time.monotonic() > deadline:
+                raise RequestError(f"scheduler {scheduler}: cannot be reached: {error}") from None
+            time.sleep(0.1)
 
 
 @dataclass
