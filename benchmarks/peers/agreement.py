@@ -132,7 +132,7 @@ def check_peer(peer: Peer, ours: Peer, starts: Array) -> list[Check]:
     first = starts[:FLIGHTS]
 
     def both(call: str, chosen: Array, with_noise: bool) -> tuple[dict[str, Array], dict[str, Array]]:
-        return tuple(one.fly(call, chosen, noisy=with_noise, keep=True).arrays for one in (peer, ours))  # type: ignore[return-value]
+        return tuple(one.fly(call, chosen, noisy=with_noise, keep=True).arrays for one in (peer, ours))  # type: ignore[return-value]  # two of them
 
     checks = [quiet(peer.name, *both("w", first, False))]
     if peer.name == "basilisk":

@@ -94,7 +94,7 @@ class Law(numbaModel.NumbaModel):
 
     @staticmethod
     def UpdateStateImpl(  # noqa: N802, D102  # the names are Basilisk's
-        chaserInMsgPayload: Any,  # noqa: N803
+        chaserInMsgPayload: Any,  # noqa: N803  # likewise, as the next
         debrisInMsgPayload: Any,  # noqa: N803
         forceOutMsgPayload: Any,  # noqa: N803
         torqueOutMsgPayload: Any,  # noqa: N803

@@ -16,7 +16,7 @@ THREADS = threads_asked()
 os.environ["XLA_FLAGS"] = f"--xla_cpu_prefer_vector_width=512 --xla_force_host_platform_device_count={THREADS}"
 os.environ["NPROC"] = str(THREADS)
 
-import jax  # noqa: E402
+import jax  # noqa: E402  # this and the next only after the devices are chosen above
 import jax.numpy as jnp  # noqa: E402
 import numpy as np  # noqa: E402
 from components import Equations  # noqa: E402
