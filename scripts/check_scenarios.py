@@ -15,7 +15,7 @@ import sys
 import numpy as np
 from numpy.typing import NDArray
 
-from detumble.analysis.bound import minimum_capture_time
+from detumble.analysis.bounds.earliest import minimum_capture_time
 from detumble.compiled import core
 from detumble.scenario import LAWS, Scenario, load
 from detumble.scenario.core import case

@@ -27,7 +27,7 @@ from pathlib import Path
 import numpy as np
 from check_scenarios import WITHIN, fly
 
-from detumble.analysis.bound import minimum_capture_time
+from detumble.analysis.bounds.earliest import minimum_capture_time
 from detumble.scenario import Scenario, load, with_settings
 from detumble.scenario.files import LIBRARY
 from detumble.scenario.paper import PUBLISHED_CAPTURE_TIMES

@@ -9,10 +9,11 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import linprog
 
-from detumble.analysis.bound import Pursuit, minimum_capture_time, minimum_capture_times, minimum_times, start_of
-from detumble.analysis.translation import Reach
-from detumble.analysis.tumble import conjugate, multiply, rotate, tumble
-from detumble.analysis.turn import Agility, excluded
+from detumble.analysis.bounds.earliest import minimum_capture_time, minimum_capture_times, minimum_times
+from detumble.analysis.bounds.pursuit import Pursuit, start_of
+from detumble.analysis.bounds.translation import Reach
+from detumble.analysis.bounds.tumble import conjugate, multiply, rotate, tumble
+from detumble.analysis.bounds.turn import Agility, excluded
 
 N = math.sqrt(3.986004418e14 / 7071e3**3)
 A = 0.1 / 9.0

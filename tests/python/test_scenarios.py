@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import detumble
-from detumble.analysis.bound import minimum_capture_time
+from detumble.analysis.bounds.earliest import minimum_capture_time
 from detumble.scenario import LAWS, with_settings
 from detumble.scenario.paper import PUBLISHED_CAPTURE_TIMES
 

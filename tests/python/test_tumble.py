@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from detumble.analysis.tumble import conjugate, multiply, rotate, tumble
+from detumble.analysis.bounds.tumble import conjugate, multiply, rotate, tumble
 
 STILL = np.array([1.0, 0.0, 0.0, 0.0])
 

@@ -1,1 +1,1 @@
-"""What a scenario allows: bounds that no controller can beat."""
+"""What a scenario allows, and which law makes the best of it: bound, tune, compare."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from detumble.analysis.tumble import conjugate, multiply
+from detumble.analysis.bounds.tumble import conjugate, multiply
 from detumble.campaigns.rows import COMPONENTS, INDEX, RESULTS
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ def paper(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
     """Fly the paper's case under its five laws and compare."""
-    from detumble.analysis.bound import minimum_capture_time
+    from detumble.analysis.bounds.earliest import minimum_capture_time
     from detumble.flight import simulate
     from detumble.scenario.files import load
     from detumble.scenario.paper import PUBLISHED_CAPTURE_TIMES

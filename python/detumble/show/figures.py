@@ -42,7 +42,7 @@ def build(flights: Mapping[str, Flight], minimum_time: float | None = None) -> d
         Figures by file name, in order.
     """
     if minimum_time is None:
-        from detumble.analysis.bound import minimum_capture_time
+        from detumble.analysis.bounds.earliest import minimum_capture_time
 
         minimum_time = minimum_capture_time(approach.first(flights).scenario)
     drawn = {name: draw(flights) for name, draw in APPROACH.items()}

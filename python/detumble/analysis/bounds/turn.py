@@ -28,7 +28,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from detumble.analysis.tumble import Array, conjugate, multiply, rotate
+from detumble.analysis.bounds.tumble import Array, conjugate, multiply, rotate
 
 ROUND_OFF = 1e-7  # rad and rad/s that a certificate must show
 

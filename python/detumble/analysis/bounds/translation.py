@@ -21,7 +21,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import nnls  # type: ignore[import-untyped]
 
-from detumble.analysis.tumble import Array
+from detumble.analysis.bounds.tumble import Array
 
 ROUND_OFF = 1e-9  # relative margin that a certificate must show
 ROUNDS = 60  # directions tried at one tick at most
