@@ -26,8 +26,11 @@ def fly_many(
     backend: str | None = None,
     light: bool = False,
     progress: Callable[[int], None] | None = None,
+    cycle: int | None = None,
 ) -> dict[str, Any]:
     """Fly one case many times, with the numbers of `columns` in place of its own: by path, a row for each flight.
+
+    After `cycle` flights the random numbers begin again.
 
     Gives `final_state` (n, 20), the summary column by column, `failure` (see `campaigns.rows`), and how many `ticks` the
     flights took of the `lane_ticks` that the lanes went through.

@@ -14,8 +14,10 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 pub struct Operation<'a> {
     /// Of the random streams.
     pub seed: u64,
-    /// Flight i draws from the stream of `first_index + i`.
+    /// Flight i draws from the stream of `first_index + i mod cycle`.
     pub first_index: u64,
+    /// Flights after which the random numbers begin again, so that all of several laws meet the same ones.
+    pub cycle: u64,
     /// Instructions to use.
     pub backend: Backend,
     /// Threads to use, at least one.
@@ -24,6 +26,13 @@ pub struct Operation<'a> {
     pub landed: &'a AtomicUsize,
     /// Once set, no flight begins any more.
     pub stop: &'a AtomicBool,
+}
+
+impl Operation<'_> {
+    /// The random stream of flight i.
+    fn stream(&self, i: usize) -> u64 {
+        self.first_index + i as u64 % self.cycle
+    }
 }
 
 /// Results of a fleet in the order of its flights, and how busy the lanes were.
@@ -128,7 +137,7 @@ impl Crew<'_> {
         let idle = self.fleet.sortie(first);
         let mut scene = Scene::<R>::new(&self.fleet.recipe().plan, self.fleet.common(), &idle);
         let mut flight = Batch::<R>::same(&idle.start());
-        let mut dice = Stream::new(self.operation.seed, |_| self.operation.first_index + first as u64);
+        let mut dice = Stream::new(self.operation.seed, |_| self.operation.stream(first));
         let mut observer = O::same(&O::One::default());
         let mut aboard = vec![None; R::LANES];
         aboard[0] = Some(first);
@@ -161,8 +170,7 @@ impl<T, F> Roster<'_, T, F> {
         let sortie = claimed.as_ref().unwrap_or(&self.idle);
         scene.put(lane, sortie);
         flight.put(lane, &sortie.start());
-        let number = self.aboard[lane].unwrap_or(0) as u64;
-        dice.set_lane(lane, self.crew.operation.first_index + number);
+        dice.set_lane(lane, self.crew.operation.stream(self.aboard[lane].unwrap_or(0)));
     }
 }
 

@@ -9,12 +9,13 @@ use numpy::{PyArray1, PyArrayMethods, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::num::NonZeroU64;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Many flights of one case, which differ in the numbers of `columns`: by path, a row for each flight. `light` keeps end
 /// state, first capture and impulse only. `progress` is called now and then with the number of flights landed.
 #[pyfunction]
-#[pyo3(signature = (case, columns, flights, seed=0, first_index=0, threads=1, backend=None, light=false, progress=None))]
+#[pyo3(signature = (case, columns, flights, seed=0, first_index=0, threads=1, backend=None, light=false, progress=None, cycle=None))]
 #[allow(clippy::too_many_arguments)] // one Python call: keywords there
 pub fn fly_many<'py>(
     py: Python<'py>,
@@ -27,6 +28,7 @@ pub fn fly_many<'py>(
     backend: Option<&str>,
     light: bool,
     progress: Option<Bound<'py, PyAny>>,
+    cycle: Option<NonZeroU64>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let recipe = recipe(case)?;
     sound_laws(&recipe.law, &recipe.case, &recipe.plan)?;
@@ -42,8 +44,9 @@ pub fn fly_many<'py>(
     }
     let fleet = Fleet::new(recipe, borrowed, flights).map_err(PyValueError::new_err)?;
     let backend = named_backend(backend, Backend::best())?;
+    let cycle = cycle.map_or(u64::MAX, NonZeroU64::get);
     let (landed, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let operation = Operation { seed, first_index, backend, threads, landed: &landed, stop: &stop };
+    let operation = Operation { seed, first_index, cycle, backend, threads, landed: &landed, stop: &stop };
     let glance = || match &progress {
         Some(progress) => progress.call1((landed.load(Ordering::Relaxed),)).map(drop),
         None => Ok(()),

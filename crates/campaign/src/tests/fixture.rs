@@ -78,7 +78,15 @@ pub fn alone(recipe: &FlightRecipe, i: usize, backend: Backend) -> FlightRecord 
 
 pub fn operation(backend: Backend, threads: usize) -> Operation<'static> {
     static LANDED: AtomicUsize = AtomicUsize::new(0);
-    Operation { seed: SEED, first_index: FIRST, backend, threads, landed: &LANDED, stop: &crate::UNSTOPPED }
+    Operation {
+        seed: SEED,
+        first_index: FIRST,
+        cycle: u64::MAX,
+        backend,
+        threads,
+        landed: &LANDED,
+        stop: &crate::UNSTOPPED,
+    }
 }
 
 /// Everything in which two cases can differ.
