@@ -61,7 +61,8 @@ class Results:
     @property
     def succeeded(self) -> NDArray[np.bool_]:
         """Which runs succeeded."""
-        return self.failure == SUCCESS
+        good: NDArray[np.bool_] = self.failure == SUCCESS
+        return good
 
     def __getitem__(self, column: str) -> Array:
         return self.columns[column]
