@@ -16,9 +16,9 @@ CORE_READY := .venv/.core-ready
 # Folders count too: their time moves when a file is added or taken away.
 RUST := Cargo.toml $(wildcard Cargo.lock rust-toolchain.toml) pyproject.toml \
 	$(shell find crates \( -name '*.rs' -o -name '*.toml' -o -type d \) -not -path '*/target*')
-PYTHON_SOURCES := python tests scripts benchmarks
+PYTHON_SOURCES := python tests scripts benchmarks study
 
-.PHONY: help setup paper test lint format lock clean
+.PHONY: help setup paper study test lint format lock clean
 
 help: ## this list
 	@grep -hE '^[a-z]+:.*## ' Makefile | sed -E 's/^([a-z]+):.*## /  make \1\t/' | expand -t 16
@@ -47,6 +47,9 @@ $(CORE_READY): $(ENV_READY) $(RUST)
 
 paper: setup ## the paper's five captures: table on screen, figures in results/paper
 	@.venv/bin/detumble paper --out results/paper
+
+study: setup ## which law is best after equal tuning: docs/study made anew, about half an hour
+	@$(PY) -m study
 
 test: setup ## every test, Rust and Python
 	cargo test --workspace --exclude detumble-python --locked --quiet

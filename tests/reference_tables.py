@@ -40,6 +40,9 @@ def _section(schema: dict[str, Any], section: dict[str, Any], path: str, parts: 
             rows.append(
                 (name, "tables `translation`, `rotation`", "none", "gains for the stack; same fields as before")
             )
+        elif name == "tuned" and path.startswith("laws."):
+            rows.append((name, "table", "none", "how these gains were found"))
+            inner += [("laws.LAW.tuned", field)] if path == "laws.prrl" else []  # once: the same for every law
         elif "const" in field and name in section["required"]:
             kind = f"`{name} = {json.dumps(field['const'])}`"
         elif "properties" in field:
@@ -88,7 +91,8 @@ def _shape(field: dict[str, Any]) -> tuple[str, dict[str, Any]]:
         return ("3 numbers or 3×3" if several["items"].get("type") == "array" else "1 number or 3"), numbers
     if field["type"] == "array":
         return f"{field['minItems']} numbers", field["items"]
-    return ("odd whole number" if field["type"] == "integer" else "number"), field
+    whole = "odd whole number" if "unit" in field else "whole number"
+    return (whole if field["type"] == "integer" else "number"), field
 
 
 def _limits(numbers: dict[str, Any]) -> str:

@@ -15,6 +15,8 @@ TYPE_CHECKING = False  # as type checkers know it; importing it from typing woul
 if TYPE_CHECKING:
     from typing import Any
 
+    from detumble.analysis.comparing.comparer import compare
+    from detumble.analysis.tuning.tuner import tune
     from detumble.campaigns.campaign import campaign
     from detumble.campaigns.result import CampaignResult, read_campaign
     from detumble.errors import RequestError, ScenarioError
@@ -32,11 +34,13 @@ _HOMES = {
     "Scenario": ("detumble.scenario.model", "Scenario"),
     "ScenarioError": ("detumble.errors", "ScenarioError"),
     "campaign": ("detumble.campaigns.campaign", "campaign"),
+    "compare": ("detumble.analysis.comparing.comparer", "compare"),
     "read_campaign": ("detumble.campaigns.result", "read_campaign"),
     "load": ("detumble.scenario.files", "load"),
     "read_netcdf": ("detumble.flight", "read_netcdf"),
     "scenarios": ("detumble.scenario.files", "built_in"),
     "simulate": ("detumble.flight", "simulate"),
+    "tune": ("detumble.analysis.tuning.tuner", "tune"),
 }
 
 __all__ = [
@@ -48,11 +52,13 @@ __all__ = [
     "ScenarioError",
     "__version__",
     "campaign",
+    "compare",
     "load",
     "read_campaign",
     "read_netcdf",
     "scenarios",
     "simulate",
+    "tune",
 ]
 
 

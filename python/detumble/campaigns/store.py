@@ -26,6 +26,7 @@ from detumble.campaigns.manifest import FORMAT, MANIFEST, Manifest, differences,
 from detumble.campaigns.rows import INDEX
 from detumble.campaigns.shard import Damage, decode, encode
 from detumble.errors import RequestError
+from detumble.locking import Lock
 from detumble.writing import output_folder, reason, whole_file
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ class Store:
         manifest: what it says of itself.
     """
 
-    def __init__(self, folder: Path, manifest: Manifest, lock: _Lock | None = None) -> None:
+    def __init__(self, folder: Path, manifest: Manifest, lock: Lock | None = None) -> None:
         self.folder = folder
         self.manifest = manifest
         self._lock = lock
@@ -74,7 +75,7 @@ class Store:
         """
         folder = Path(folder)
         with output_folder(folder):
-            lock = _Lock(folder)
+            lock = Lock(folder, "flying this campaign")
             try:
                 manifest = _begun(folder, recipe, runs, json.loads(json.dumps(about)), resume)
             except BaseException:
@@ -241,40 +242,3 @@ def _write(path: Path, content: bytes) -> None:
             os.fsync(folder)
         finally:
             os.close(folder)
-
-
-class _Lock:
-    """Held by the one process that flies a campaign; the system frees it however that process ends."""
-
-    def __init__(self, folder: Path) -> None:
-        path = folder / ".lock"
-        try:
-            self._file = path.open("a+b", buffering=0)
-        except OSError as error:
-            raise RequestError(f"{path}: cannot be written: {reason(error)}") from None
-        if not _locked(self._file.fileno()):
-            self._file.seek(0)
-            owner = self._file.read().decode(errors="replace")
-            self._file.close()
-            raise RequestError(f"{folder}: another process ({owner}) is flying this campaign")
-        with suppress(OSError):
-            self._file.truncate(0)
-            self._file.write(str(os.getpid()).encode())
-
-    def close(self) -> None:
-        self._file.close()
-
-
-def _locked(descriptor: int) -> bool:
-    """Try to lock; where system or file system know no locks, nothing is locked, and nobody is kept out."""
-    try:
-        import fcntl
-    except ImportError:
-        return True
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    except OSError:
-        pass
-    return True

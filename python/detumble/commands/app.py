@@ -8,11 +8,14 @@ import typer
 
 from detumble import __version__
 from detumble.commands.bench import bench
+from detumble.commands.bound import bound
 from detumble.commands.campaign import campaign
+from detumble.commands.compare import compare
 from detumble.commands.paper import paper
 from detumble.commands.run import run
 from detumble.commands.scenarios import scenarios
 from detumble.commands.schema import schema
+from detumble.commands.tune import tune
 
 app = typer.Typer(
     name="detumble",
@@ -21,7 +24,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (paper, run, campaign, scenarios, schema, bench):
+for command in (paper, run, campaign, bound, tune, compare, scenarios, schema, bench):
     app.command()(command)
 
 

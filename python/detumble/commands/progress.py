@@ -1,4 +1,4 @@
-"""How a campaign gets on, on the terminal: share, rate, time left, success so far. Silent where nobody looks."""
+"""How long work gets on, on the terminal: share, rate, time left, what is known so far. Silent where nobody looks."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from detumble.campaigns.statistics import Statistics
 
 
-class Progress:
+class Line:
     """A line at the bottom of the terminal, in `with`; on Ctrl-C it says how to go on.
 
     Args:
-        folder: of the campaign.
+        folder: that keeps the work; None where nothing is kept.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path | None) -> None:
         from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
         from rich.progress import Progress as Bar
@@ -34,30 +34,33 @@ class Progress:
             MofNCompleteColumn(),
             TextColumn("{task.fields[rate]}"),
             TimeRemainingColumn(),
-            TextColumn("{task.fields[success]}"),
+            TextColumn("{task.fields[found]}"),
             console=Console(stderr=True),
             transient=True,
             disable=not sys.stderr.isatty(),
         )
 
-    def begin(self, runs: int) -> None:
+    def begin(self, total: int) -> None:
         """Draw the empty bar."""
         import time
 
         self._begun = True
         self._began = time.perf_counter()
-        self._task = self._bar.add_task("", total=runs, rate="", success="")
+        self._task = self._bar.add_task("", total=total, rate="", found="")
 
-    def now(self, done: int, flown: int, statistics: Statistics) -> None:
-        """Draw the bar anew."""
+    def draw(self, done: int, fresh: int, unit: str, found: str) -> None:
+        """Draw the bar anew.
+
+        Args:
+            done: of the total.
+            fresh: of these, how many were done since the bar was begun.
+            unit: what is counted, for the rate.
+            found: what is known so far.
+        """
         import time
 
-        rate = f"{flown / max(1e-9, time.perf_counter() - self._began):.0f} runs/s" if flown else ""
-        success = ""
-        if statistics.runs:
-            estimate = statistics.success
-            success = f"success {100 * estimate.share:.2f} ± {100 * estimate.half_width:.2f} %"
-        self._bar.update(self._task, completed=done, rate=rate, success=success)
+        rate = f"{fresh / max(1e-9, time.perf_counter() - self._began):.0f} {unit}/s" if fresh else ""
+        self._bar.update(self._task, completed=done, rate=rate, found=found)
 
     def remark(self, text: str) -> None:
         """Print a line above the bar."""
@@ -74,5 +77,34 @@ class Progress:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._bar.stop()
-        if self._begun and isinstance(error, SystemExit | KeyboardInterrupt):
+        if self._begun and self._folder and isinstance(error, SystemExit | KeyboardInterrupt):
             remark(f"stopped; the same command with --resume continues it: {self._folder}")
+
+
+class Progress(Line):
+    """Of a campaign."""
+
+    def now(self, done: int, flown: int, statistics: Statistics) -> None:
+        """Draw the bar anew."""
+        success = ""
+        if statistics.runs:
+            estimate = statistics.success
+            success = f"success {100 * estimate.share:.2f} ± {100 * estimate.half_width:.2f} %"
+        self.draw(done, flown, "runs", success)
+
+
+class SearchProgress(Line):
+    """Of a search for gains.
+
+    Args:
+        folder: that keeps the record; None where there is none.
+        unit: of the cost.
+    """
+
+    def __init__(self, folder: Path | None, unit: str) -> None:
+        super().__init__(folder)
+        self._unit = unit
+
+    def now(self, done: int, cost: float, share: float) -> None:
+        """Draw the bar anew."""
+        self.draw(done, done, "candidates", f"best {cost:.4g} {self._unit}, success {100 * share:.1f} %")

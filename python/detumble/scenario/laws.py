@@ -1,10 +1,16 @@
 """The laws' gains as a scenario gives them: one class for each channel of each law, since the units differ.
 
 Translation tells m, m/s and N; rotation tells the vector part of the error quaternion (no unit), rad/s and N m.
+
+Each gain tells its natural scale too: what it would be if the error were of the channel's length, and the law asked there for
+all that the actuators give. So ranges of gains fit spacecraft of any size; see `Natural`.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Annotated, ClassVar, Generic, Literal, TypeVar
 
 from pydantic import Field
@@ -21,58 +27,129 @@ TITLES = {"pd": "PD", "lqr": "LQR", "sosmc": "SOSMC", "tsmc": "TSMC", "prrl": "P
 Form = Literal["printed", "corrected"]
 
 
-def gain(unit: str, meaning: str, *, above: float | None = None) -> Quantity:
-    """Describe a gain: a number for every axis or one for each, not negative."""
-    least = 0.0 if above is None else None
-    return Quantity(unit, meaning, shape="axes", above=above, least=least, most=1e9)
+@dataclass(frozen=True)
+class Natural:
+    """What the gains of one channel are measured by.
+
+    Attributes:
+        mass: kg, or the largest moment of inertia in kg m².
+        acceleration: the most that the weakest axis gives, m/s² or rad/s².
+        length: m; 1 in rotation, where the vector part of the error quaternion has no unit.
+        r: weight of the input in LQR; only ratios of weights count.
+        power: alpha, or the exponent p/q.
+    """
+
+    mass: float
+    acceleration: float
+    length: float
+    r: float = 1.0
+    power: float = 1.0
+
+    @property
+    def time(self) -> float:
+        """s: sqrt(length / acceleration)."""
+        return math.sqrt(self.length / self.acceleration)
+
+    @property
+    def speed(self) -> float:
+        """m/s or rad/s: sqrt(length acceleration)."""
+        return math.sqrt(self.length * self.acceleration)
+
+
+Scale = Callable[[Natural], float]
+"""Gives a gain's natural scale."""
+Span = tuple[float, float]
+
+
+class Gain(Quantity):
+    """A gain: a number for every axis or one for each, not negative, and where to search for it.
+
+    Args:
+        unit, meaning: as of any quantity.
+        scale: its natural scale.
+        above: excluded lower bound; None allows 0.
+        span: least and most to search, in natural scales.
+    """
+
+    def __init__(
+        self, unit: str, meaning: str, scale: Scale, *, above: float | None = None, span: Span = (1e-3, 1e2)
+    ) -> None:
+        least = 0.0 if above is None else None
+        super().__init__(unit, meaning, shape="axes", above=above, least=least, most=1e9)
+        self.scale = scale
+        self.span = span
+
+
+_SQUARES = (1e-6, 1e4)
+"""Span of weights, whose square roots are gains."""
 
 
 class PdTranslation(Section):
     """U = -kp e_r - kd e_v."""
 
-    kp: Annotated[Axes, gain("N/m", "force per position error")]
-    kd: Annotated[Axes, gain("N s/m", "force per velocity error")]
+    kp: Annotated[Axes, Gain("N/m", "force per position error", lambda c: c.mass * c.acceleration / c.length)]
+    kd: Annotated[Axes, Gain("N s/m", "force per velocity error", lambda c: c.mass / c.time)]
 
 
 class PdRotation(Section):
     """tau = -kp eps - kd w."""
 
-    kp: Annotated[Axes, gain("N m", "torque per vector part of the error quaternion")]
-    kd: Annotated[Axes, gain("N m s/rad", "torque per angular rate")]
+    kp: Annotated[
+        Axes, Gain("N m", "torque per vector part of the error quaternion", lambda c: c.mass * c.acceleration)
+    ]
+    kd: Annotated[Axes, Gain("N m s/rad", "torque per angular rate", lambda c: c.mass / c.time)]
 
 
 class LqrTranslation(Section):
     """Weights of the Riccati problem whose input is acceleration."""
 
-    q_error: Annotated[Axes, gain("1/m^2", "weight of the position error", above=0.0)]
-    q_rate: Annotated[Axes, gain("s^2/m^2", "weight of the velocity error")]
+    q_error: Annotated[
+        Axes,
+        Gain("1/m^2", "weight of the position error", lambda c: c.r * c.time**-4, above=0.0, span=_SQUARES),
+    ]
+    q_rate: Annotated[Axes, Gain("s^2/m^2", "weight of the velocity error", lambda c: c.r * c.time**-2, span=_SQUARES)]
     r: Annotated[float, Quantity("s^4/m^2", "weight of the acceleration", above=0.0, most=1e12)]
 
 
 class LqrRotation(Section):
     """Weights of the Riccati problem whose input is torque."""
 
-    q_error: Annotated[Axes, gain("", "weight of the vector part of the error quaternion", above=0.0)]
-    q_rate: Annotated[Axes, gain("s^2/rad^2", "weight of the angular rate")]
+    q_error: Annotated[
+        Axes,
+        Gain(
+            "",
+            "weight of the vector part of the error quaternion",
+            lambda c: c.r * (c.mass * c.acceleration) ** 2,
+            above=0.0,
+            span=_SQUARES,
+        ),
+    ]
+    q_rate: Annotated[
+        Axes, Gain("s^2/rad^2", "weight of the angular rate", lambda c: c.r * (c.mass / c.time) ** 2, span=_SQUARES)
+    ]
     r: Annotated[float, Quantity("1/(N m)^2", "weight of the torque", above=0.0, most=1e12)]
 
 
 class SosmcTranslation(Section):
     """s = e_v + slope e_r; s' = -gain sat(s/layer) - proportional s."""
 
-    slope: Annotated[Axes, gain("1/s", "c, slope of the surface")]
-    gain: Annotated[Axes, gain("m/s^2", "K, constant reaching rate")]
-    proportional: Annotated[Axes, gain("1/s", "alpha, proportional reaching rate")]
-    layer: Annotated[Axes, gain("m/s", "phi, thickness of the boundary layer", above=0.0)]
+    slope: Annotated[Axes, Gain("1/s", "c, slope of the surface", lambda c: 1 / c.time)]
+    gain: Annotated[Axes, Gain("m/s^2", "K, constant reaching rate", lambda c: c.acceleration)]
+    proportional: Annotated[Axes, Gain("1/s", "alpha, proportional reaching rate", lambda c: 1 / c.time)]
+    layer: Annotated[Axes, Gain("m/s", "phi, thickness of the boundary layer", lambda c: c.speed, above=0.0)]
 
 
 class SosmcRotation(Section):
     """s = e_w + slope eps; s' = -gain sat(s/layer) - proportional s."""
 
-    slope: Annotated[Axes, gain("rad/s", "c, slope of the surface")]
-    gain: Annotated[Axes, gain("rad/s^2", "K, constant reaching rate")]
-    proportional: Annotated[Axes, gain("1/s", "alpha, proportional reaching rate")]
-    layer: Annotated[Axes, gain("rad/s", "phi, thickness of the boundary layer", above=0.0)]
+    slope: Annotated[Axes, Gain("rad/s", "c, slope of the surface", lambda c: 1 / c.time)]
+    gain: Annotated[Axes, Gain("rad/s^2", "K, constant reaching rate", lambda c: c.acceleration)]
+    proportional: Annotated[Axes, Gain("1/s", "alpha, proportional reaching rate", lambda c: 1 / c.time)]
+    layer: Annotated[Axes, Gain("rad/s", "phi, thickness of the boundary layer", lambda c: c.speed, above=0.0)]
+
+
+EXPONENTS: dict[Form, Span] = {"printed": (1.0, 3.0), "corrected": (1.0 / 3.0, 1.0)}
+"""Where the terminal exponent is searched, 1 itself excluded."""
 
 
 def _odd(meaning: str) -> Quantity:
@@ -102,33 +179,39 @@ class TsmcExponents(Section):
 class TsmcTranslation(TsmcExponents):
     """s = e_v + slope sgn(e_r) |e_r|^(p/q); s' = -gain sat(s/layer)."""
 
-    slope: Annotated[Axes, gain("m^(1-p/q)/s", "alpha, slope of the terminal surface")]
-    gain: Annotated[Axes, gain("m/s^2", "beta, constant reaching rate")]
-    layer: Annotated[Axes, gain("m/s", "phi, thickness of the boundary layer", above=0.0)]
+    slope: Annotated[
+        Axes, Gain("m^(1-p/q)/s", "alpha, slope of the terminal surface", lambda c: c.speed / c.length**c.power)
+    ]
+    gain: Annotated[Axes, Gain("m/s^2", "beta, constant reaching rate", lambda c: c.acceleration)]
+    layer: Annotated[Axes, Gain("m/s", "phi, thickness of the boundary layer", lambda c: c.speed, above=0.0)]
 
 
 class TsmcRotation(TsmcExponents):
     """s = e_w + slope sgn(eps) |eps|^(p/q); s' = -gain sat(s/layer)."""
 
-    slope: Annotated[Axes, gain("rad/s", "alpha, slope of the terminal surface")]
-    gain: Annotated[Axes, gain("rad/s^2", "beta, constant reaching rate")]
-    layer: Annotated[Axes, gain("rad/s", "phi, thickness of the boundary layer", above=0.0)]
+    slope: Annotated[Axes, Gain("rad/s", "alpha, slope of the terminal surface", lambda c: 1 / c.time)]
+    gain: Annotated[Axes, Gain("rad/s^2", "beta, constant reaching rate", lambda c: c.acceleration)]
+    layer: Annotated[Axes, Gain("rad/s", "phi, thickness of the boundary layer", lambda c: c.speed, above=0.0)]
 
 
 class PrrlTranslation(Section):
     """s = e_v + slope e_r; s' = -gain |s|^alpha sat(s/layer)."""
 
-    slope: Annotated[Axes, gain("1/s", "Lambda, slope of the surface")]
-    gain: Annotated[Axes, gain("(m/s)^(1-alpha)/s", "K, power reaching rate")]
-    layer: Annotated[Axes, gain("m/s", "phi, thickness of the boundary layer", above=0.0)]
+    slope: Annotated[Axes, Gain("1/s", "Lambda, slope of the surface", lambda c: 1 / c.time)]
+    gain: Annotated[
+        Axes, Gain("(m/s)^(1-alpha)/s", "K, power reaching rate", lambda c: c.acceleration / c.speed**c.power)
+    ]
+    layer: Annotated[Axes, Gain("m/s", "phi, thickness of the boundary layer", lambda c: c.speed, above=0.0)]
 
 
 class PrrlRotation(Section):
     """s = e_w + slope eps; s' = -gain |s|^alpha sat(s/layer)."""
 
-    slope: Annotated[Axes, gain("rad/s", "Lambda, slope of the surface")]
-    gain: Annotated[Axes, gain("(rad/s)^(1-alpha)/s", "K, power reaching rate")]
-    layer: Annotated[Axes, gain("rad/s", "phi, thickness of the boundary layer", above=0.0)]
+    slope: Annotated[Axes, Gain("rad/s", "Lambda, slope of the surface", lambda c: 1 / c.time)]
+    gain: Annotated[
+        Axes, Gain("(rad/s)^(1-alpha)/s", "K, power reaching rate", lambda c: c.acceleration / c.speed**c.power)
+    ]
+    layer: Annotated[Axes, Gain("rad/s", "phi, thickness of the boundary layer", lambda c: c.speed, above=0.0)]
 
 
 Translation = TypeVar("Translation", bound=Section)
@@ -142,6 +225,26 @@ class StackGains(Section, Generic[Translation, Rotation]):
     rotation: Rotation | None = None
 
 
+class Provenance(Section):
+    """How the gains of a law were found by a search; nothing of it is flown."""
+
+    objective: Literal["capture", "settling", "delta_v", "delta_v_total", "pareto"] = Field(
+        description="what was made small"
+    )
+    statistic: str = Field(description="over the starts: `mean`, or a percentile such as `p95`")
+    time_s: float | None = Field(None, ge=0.0, allow_inf_nan=False, description="that statistic of the time reached, s")
+    delta_v_m_s: float | None = Field(None, ge=0.0, allow_inf_nan=False, description="that of the Δv reached, m/s")
+    success: float = Field(ge=0.0, le=1.0, description="share of the starts that succeeded")
+    required: float = Field(ge=0.0, le=1.0, description="share that had to")
+    until: Literal["settled", "captured", "duration"] = Field(description="how the flights ended")
+    horizon_s: float = Field(gt=0.0, allow_inf_nan=False, description="later than this was a failure, s")
+    starts: int = Field(ge=1, strict=True, description="runs of the campaign that each candidate flew")
+    seed: int = Field(ge=0, strict=True, description="of these runs")
+    optimiser_seed: int = Field(ge=0, strict=True, description="of the search")
+    evaluations: int = Field(ge=1, strict=True, description="candidates tried")
+    version: str = Field(description="of detumble")
+
+
 class Law(Section, Generic[Translation, Rotation]):
     """One law: its form, its gains, and perhaps other gains for the stack."""
 
@@ -149,6 +252,7 @@ class Law(Section, Generic[Translation, Rotation]):
     translation: Translation
     rotation: Rotation
     stack: StackGains[Translation, Rotation] | None = None
+    tuned: Provenance | None = None
 
 
 class Pd(Law[PdTranslation, PdRotation]):
@@ -171,6 +275,9 @@ class Prrl(Law[PrrlTranslation, PrrlRotation]):
     """Power rate reaching law sliding mode."""
 
     alpha: Annotated[float, Quantity("", "power of the reaching law", above=0.0, below=1.0)]
+
+    searched: ClassVar[Span] = (0.05, 0.95)
+    """Where alpha is searched."""
 
 
 class Segment(Section):

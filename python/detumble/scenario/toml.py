@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from detumble.scenario.dispersions.fitting import unit_in
 from detumble.scenario.faults import quantity_of
+from detumble.scenario.laws import Provenance
 from detumble.scenario.section import Section
 from detumble.scenario.wording import number
 
@@ -40,7 +41,7 @@ def _table(section: Section, path: str, lines: list[str]) -> None:
         if value is None:
             continue
         if isinstance(value, Section):
-            if path.startswith("laws."):
+            if path.startswith("laws.") and not isinstance(value, Provenance):
                 inline.append(f"{name} = {literal(value)}")
             else:
                 tables.append((name, value))

@@ -8,9 +8,6 @@ bisected. With a dwell, every tick of it must be open.
 The answer is a lower bound for any law, with or without noise, on the plant of SPEC: HCW, rigid bodies, torque-free
 debris, ideal actuators limited per axis (a vector scaled into the box is in the box). Certificates must hold with a
 margin (1e-9 of the lengths, 1e-7 rad and rad/s), so that round-off cannot make the bound too high.
-
-With grasp points the goal R_HD p_D - R_HC p_C depends on the chaser's attitude, which at capture is within the angle
-threshold θ of the debris': R_HC p_C lies within 2 sin(θ/2) |p_C| of R_HD p_C, and the thresholds widen by that.
 """
 
 from __future__ import annotations
@@ -22,9 +19,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from detumble.analysis.bounds.goal import Goal
 from detumble.analysis.bounds.pursuit import Pursuit, start_of
 from detumble.analysis.bounds.translation import Approach
-from detumble.analysis.bounds.tumble import Array, conjugate, multiply, rotate, tumble
+from detumble.analysis.bounds.tumble import Array, tumble
 from detumble.analysis.bounds.turn import excluded
 
 if TYPE_CHECKING:
@@ -153,39 +151,10 @@ class _Chase:
         """The translation up to this tick: free drift against the goal, fixed or moving with the tumble."""
         pursuit, count = self.pursuit, ticks + 1
         pursuit.reach.extend(ticks)
-        miss = pursuit.reach.drift[:count] @ self.state
-        radius, speed = np.full(count, pursuit.distance), np.full(count, pursuit.speed)
-        if pursuit.grasp_points is None:
-            miss[:, :3] -= 0.0 if pursuit.from_debris else pursuit.goal
-        else:
-            place, velocity, spread, hurry = self._grasp(ticks)
-            miss[:, 3:] -= velocity
-            speed += hurry
-            if not pursuit.from_debris:
-                miss[:, :3] -= place
-                radius += spread
-        approach = Approach(pursuit.reach, miss, radius, speed)
+        times = pursuit.period * np.arange(count, dtype=np.float64)
+        goal = Goal.of(pursuit, times, None if pursuit.grasp_points is None else self._tumble(ticks))
+        miss = pursuit.reach.drift[:count] @ self.state - goal.state
+        approach = Approach(pursuit.reach, miss, np.full(count, goal.radius), goal.speed)
         if self.approach:
             approach.last, approach.useful = self.approach.last, self.approach.useful
         return approach
-
-    def _grasp(self, ticks: int) -> tuple[Array, Array, float, Array]:
-        """The moving goal with its uncertainty: place and velocity (n, 3) in H, and how far off each may be.
-
-        With R_HC = R_HD δR at capture, |δR p - p| ≤ spread = 2 sin(θ/2) |p_C| (when that is more than |p_C|, p_C is left out),
-        v_des = Ω_D × R_HD p_D - Ω_C × R_HC p_C, Ω = w - w_H in H, |Ω_C - Ω_D| < rate threshold.
-        """
-        assert self.pursuit.grasp_points is not None
-        p_chaser, p_debris = self.pursuit.grasp_points
-        length = float(np.linalg.norm(p_chaser))
-        opening = 2.0 * math.sin(min(self.pursuit.angle, math.pi) / 2.0)
-        arm, spread = (p_debris - p_chaser, opening * length) if opening < 1.0 else (p_debris, length)
-        attitudes, rates = self._tumble(ticks)
-        n = self.pursuit.mean_motion
-        half = 0.5 * n * self.pursuit.period * np.arange(ticks + 1)[:, None]
-        turned = np.concatenate((np.cos(half), np.sin(half) * np.array([0.0, 0.0, 1.0])), axis=-1)
-        in_lvlh = multiply(conjugate(multiply(self.pursuit.lvlh_attitude, turned)), attitudes)  # q_HD
-        spin = rotate(in_lvlh, rates) - np.array([0.0, 0.0, n])
-        place = rotate(in_lvlh, arm)
-        hurry = np.linalg.norm(spin, axis=1) * spread + self.pursuit.rate * length
-        return place, np.cross(spin, place), spread, hurry

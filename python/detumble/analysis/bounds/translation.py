@@ -1,26 +1,24 @@
 """Where a chaser under per-axis force limits cannot be: Hill-Clohessy-Wiltshire reach and its certificates.
 
-State X = (r, v) in H, control u(t) with |u_j| ≤ a_j (acceleration, m/s²). At time T
-
-    X(T) = Φ(T) X(0) + ∫₀ᵀ K(s) u(T - s) ds,     K = [Φ_rv; Φ_vv]   (6 x 3).
-
-For any direction d = (d_r, d_v), capture needs X(T) - goal in a ball of radius R in position times one of radius S in
-velocity, so T is impossible when, with ρ the support function of the reach,
+State X = (r, v) in H, acceleration |u_j| ≤ a_j, m/s², Φ and K as in `hcw`. For any direction d = (d_r, d_v), capture at
+time T needs X(T) - goal in a ball of radius R in position times one of radius S in velocity, so T is impossible when, with ρ
+the support function of the reach,
 
     d · (Φ(T) X(0) - goal(T)) - ρ(T, d) - R |d_r| - S |d_v| > 0,     ρ(T, d) = Σ_j a_j ∫₀ᵀ |d · K_j(s)| ds.
 
 Any d proves it, good or bad; how d is found needs no rigour. ρ is bounded from above: on a cell of width h the function
 f = d · K_j differs from its chord by at most M h²/8, M ≥ |f''|, so ∫|f| ≤ ∫|chord| + M h³/12. The excess is
 of order n h²/T relative to ρ: 1e-8 for h = 0.1 s.
-
-HCW: Clohessy & Wiltshire 1960, in the closed form of e.g. Vallado, Fundamentals of Astrodynamics, §6.8.
 """
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from scipy.optimize import nnls  # type: ignore[import-untyped]
 
+from detumble.analysis.bounds.hcw import hcw, kernel_bend
 from detumble.analysis.bounds.tumble import Array
 
 ROUND_OFF = 1e-9  # relative margin that a certificate must show
@@ -28,15 +26,14 @@ ROUNDS = 60  # directions tried at one tick at most
 GOOD_ENOUGH = 0.7  # share of the greatest separation at which a direction is taken: it must serve the next ticks too
 
 
-def _entire(x: Array) -> tuple[Array, Array, Array]:
-    """sin x / x, (1 - cos x) / x², (x - sin x) / x³, without cancellation and defined at 0."""
-    safe = np.where(np.abs(x) < 0.5, 1.0, x)
-    square = x * x
-    series = np.polynomial.polynomial.polyval(
-        np.minimum(square, 0.25), [1 / 6, -1 / 120, 1 / 5040, -1 / 362880, 1 / 39916800, -1 / 6227020800]
-    )
-    cubic = np.where(np.abs(x) < 0.5, series, (safe - np.sin(safe)) / safe**3)
-    return np.sinc(x / np.pi), 0.5 * np.sinc(0.5 * x / np.pi) ** 2, cubic
+@lru_cache(maxsize=4)
+def _tables(mean_motion: float, period: float, ticks: int) -> tuple[Array, Array, Array]:
+    """Φ (ticks + 1, 6, 6) and K (ticks + 1, 3, 6) at the ticks, ∫ K (ticks, 3, 6) over each cell: whatever the limits are."""
+    drift, kernel, area = hcw(mean_motion, period * np.arange(ticks + 1, dtype=np.float64))
+    tables = drift, kernel, np.diff(area, axis=0)
+    for table in tables:
+        table.flags.writeable = False
+    return tables
 
 
 class Reach:
@@ -58,33 +55,13 @@ class Reach:
         self._tabulate(64)
 
     def _tabulate(self, ticks: int) -> None:
-        n = self.mean_motion
-        t = self.period * np.arange(ticks + 1, dtype=np.float64)
-        x = n * t
-        s1, c2, s3 = _entire(x)
-        one, zero = np.ones_like(t), np.zeros_like(t)
-        sine, cosine, versine = n * t * s1, np.cos(x), x * x * c2  # n · (sin x)/n, cos x, 1 - cos x
-        rr = [[4 - 3 * cosine, zero, zero], [-6 * x**3 * s3, one, zero], [zero, zero, cosine]]
-        rv = [[t * s1, 2 * t * x * c2, zero], [-2 * t * x * c2, t * (4 * s1 - 3), zero], [zero, zero, t * s1]]
-        vr = [[3 * n * sine, zero, zero], [-6 * n * versine, zero, zero], [zero, zero, -n * sine]]
-        vv = [[cosine, 2 * sine, zero], [-2 * sine, 4 * cosine - 3, zero], [zero, zero, cosine]]
-        # ∫ Φ_rv; and ∫ Φ_vv = Φ_rv
-        once, coupled = t * t * c2, 2 * t * t * x * s3
-        area = [[once, coupled, zero], [-coupled, 4 * once - 1.5 * t * t, zero], [zero, zero, once]]
-
-        def stack(upper: list[list[Array]], lower: list[list[Array]]) -> Array:
-            return np.moveaxis(np.array(upper + lower), -1, 0)
-
         self.ticks = ticks
-        self.drift = np.concatenate((stack(rr, vr), stack(rv, vv)), axis=-1)  # (ticks + 1, 6, 6)
-        # (ticks + 1, control axis, state): contiguous from tick 0 to any tick
-        self.kernel = np.ascontiguousarray(np.moveaxis(stack(rv, vv), -1, 1))
-        self.push = np.diff(np.moveaxis(stack(area, rv), -1, 1), axis=0)  # (ticks, 3, 6): ∫ K over each cell
+        self.drift, self.kernel, self.push = _tables(self.mean_motion, self.period, ticks)
 
     def extend(self, ticks: int) -> None:
         """Make the tables cover t = 0 … ticks · period."""
         if ticks > self.ticks:
-            self._tabulate(max(ticks, 2 * self.ticks))
+            self._tabulate(1 << (ticks - 1).bit_length())  # a power of two, so that chases with other limits share it
 
     def support(self, direction: Array, first: int, last: int) -> Array:
         """Upper bounds of ρ(t_k, d) for k = first … last, for d (6,); rigorous but for round-off."""
@@ -95,7 +72,7 @@ class Reach:
         crossing = values[:-1] * values[1:] < 0.0
         area = np.divide(left * left + right * right, total, out=total.copy(), where=crossing)
         h = self.period
-        excess = h**3 / 12.0 * float(self._curvature(direction) @ self.acceleration)
+        excess = h**3 / 12.0 * float(kernel_bend(self.mean_motion, direction) @ self.acceleration)
         cells = 0.5 * h * (area @ self.acceleration) + excess
         reached = np.concatenate(([0.0], np.cumsum(cells)))
         bounds: Array = reached[first:]
@@ -114,13 +91,6 @@ class Reach:
         """d · K_j(t_k), k = 0 … tick: (tick + 1, 3)."""
         values: Array = (self.kernel[: tick + 1].reshape(-1, 6) @ direction).reshape(-1, 3)
         return values
-
-    def _curvature(self, direction: Array) -> Array:
-        """Upper bounds (3,) of |d²/ds² d · K_j(s)| over all s, per axis."""
-        n, (x, y, z, vx, vy, vz) = self.mean_motion, np.abs(direction)
-        along_x = n * (x + 2 * y) + n * n * (vx + 2 * vy)
-        along_y = n * (2 * x + 4 * y) + n * n * (2 * vx + 4 * vy)
-        return np.array([along_x, along_y, n * z + n * n * vz])
 
 
 class Approach:

@@ -97,6 +97,11 @@ class Agility:
             )
         )
 
+    def fastest_free(self, rate: Array) -> float:
+        """The most |w|, rad/s, that a body left to itself ever has, from a rate (3,): energy and momentum stay."""
+        energy, momentum = math.sqrt(rate @ self.inertia @ rate), float(np.linalg.norm(self.inertia @ rate))
+        return min(energy / math.sqrt(self.smallest), momentum / self.smallest)
+
     def floor(self, rate: Array, times: Array) -> Array:
         """A lower bound (n,) of |w| at times (n,), from the rate (3,) rad/s at time 0: the same three, downwards."""
         direct, growth = self.direct + 1e-12, self.growth + 1e-12
@@ -145,12 +150,11 @@ def excluded(
 
     # Each bound is convex, so its trapezoid is an upper bound of its integral over a cell, and so is the least of the
     # three. Both sequences of cells rise, and the best split of k cells between the two ends is the k smallest of all.
-    cells = np.sort(np.concatenate((_trapezoids(rising), _trapezoids(falling)))) * period
+    cells = np.sort(np.concatenate((trapezoids(rising), trapezoids(falling)))) * period
     reach = np.concatenate(([0.0], np.cumsum(cells)))[first : len(times)]
-    turn = multiply(conjugate(attitude), target_attitudes[first:])
-    needed = 2.0 * np.arctan2(np.linalg.norm(turn[:, 1:], axis=1), np.abs(turn[:, 0])) - angle
+    needed = angle_between(attitude, target_attitudes[first:]) - angle
 
-    bent = agility.direct + agility.bending * _trapezoids(rising * rising)
+    bent = agility.direct + agility.bending * trapezoids(rising * rising)
     swing = np.concatenate(([0.0], np.cumsum(bent * period)))[first:]
     apart = np.linalg.norm(rotate(target_attitudes[first:], target_rates[first:]) - rotate(attitude, rate), axis=1)
 
@@ -163,7 +167,14 @@ def excluded(
     return impossible
 
 
-def _trapezoids(curves: Array) -> Array:
+def angle_between(attitude: Array, others: Array) -> Array:
+    """Angles (...) rad between an attitude (4,) and others (..., 4), the short way round."""
+    turn = multiply(conjugate(attitude), others)
+    angles: Array = 2.0 * np.arctan2(np.linalg.norm(turn[..., 1:], axis=-1), np.abs(turn[..., 0]))
+    return angles
+
+
+def trapezoids(curves: Array) -> Array:
     """Cell means (n - 1,) of the least of the convex curves (m, n), from above."""
     means: Array = (0.5 * (curves[:, :-1] + curves[:, 1:])).min(axis=0)
     return means

@@ -1,0 +1,169 @@
+"""Everything that a start allows: the soonest capture, each half of it, the least Δv, and the least time to detumble.
+
+    translation  distance and speed alone, any real time, any control within the limits
+    attitude     angle and relative rate alone, likewise
+    capture      both at one control tick, as the scenario judges it. Below: the first tick that neither half excludes.
+                 Above: the first tick found at which commands held over control periods do both.
+    Δv           of a translation that is within its thresholds at some time up to `within`
+    detumble     from capture until settled, for any capture
+
+With grasp points the two halves meet: where the chaser must be follows from how it points, so the translation of the upper
+bound aims at what the slew found for that tick leaves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from detumble.analysis.bounds.commanded import reach_at_tick
+from detumble.analysis.bounds.detumbling import Detumbling, detumble_bound
+from detumble.analysis.bounds.earliest import minimum_times
+from detumble.analysis.bounds.fuel import delta_v_bound
+from detumble.analysis.bounds.pursuit import Pursuit, start_of
+from detumble.analysis.bounds.slew import AttitudeBound, Slew, attitude_bound, first_slew
+from detumble.analysis.bounds.soonest import translation_bound
+from detumble.analysis.bounds.transfer import Bracket, Transfer
+from detumble.analysis.bounds.tumble import Array, conjugate, multiply, rotate, tumble
+from detumble.errors import RequestError
+from detumble.scenario.core import case as core_case
+from detumble.scenario.core import ticks
+
+if TYPE_CHECKING:
+    from detumble.scenario.model import Scenario
+
+ATTEMPTS = 12
+"""Ticks tried for the soonest capture that is flown."""
+
+
+@dataclass(frozen=True)
+class Rendezvous:
+    """Both halves of a capture, and when it is.
+
+    Attributes:
+        lower: no capture is sooner, s; a control tick; inf when the flight is too short.
+        upper: tick of the one found, s; inf when none was.
+        transfer: its translation.
+        slew: its rotation; None where no torque limit bounds it.
+    """
+
+    lower: float
+    upper: float
+    transfer: Transfer | None
+    slew: Slew | None
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Bounds of one start.
+
+    Attributes:
+        capture: s.
+        translation: s.
+        attitude: s.
+        delta_v: m/s, of a translation within `within`.
+        within: s.
+        detumble: s.
+    """
+
+    capture: Rendezvous
+    translation: Bracket
+    attitude: AttitudeBound
+    delta_v: Bracket
+    within: float
+    detumble: Detumbling
+
+    def to_json(self) -> dict[str, Any]:
+        """Give lower and upper values as JSON takes them."""
+
+        def ends(bracket: Rendezvous | Bracket | AttitudeBound) -> dict[str, float]:
+            return {"lower": bracket.lower, "upper": bracket.upper}
+
+        return {
+            "capture_time_s": ends(self.capture),
+            "translation_s": ends(self.translation),
+            "attitude_s": ends(self.attitude),
+            "delta_v_m_s": ends(self.delta_v) | {"within_s": self.within},
+            "detumble_s": {"lower": self.detumble.lower, "matched": self.detumble.matched},
+        }
+
+
+def bound(scenario: Scenario, within: float | None = None) -> Bounds:
+    """Bound what any controller can do from a scenario's nominal start.
+
+    Args:
+        scenario: limits, bodies, thresholds and start; no law and no noise come into it.
+        within: s, by when the Δv is asked for; None is the duration.
+
+    Raises:
+        ScenarioError: the scenario contradicts itself.
+        RequestError: `within` is no time of the flight, or CasADi is not installed.
+    """
+    return bound_of(core_case(scenario, "none"), within)
+
+
+def bound_of(case: Mapping[str, Any], within: float | None = None) -> Bounds:
+    """Bound what any controller can do in a plain case, as `scenario.core.case` gives it; otherwise as `bound`."""
+    pursuit, start = Pursuit.of(case), start_of(case)
+    duration = pursuit.periods * pursuit.period
+    if within is not None and not 0.0 < within <= duration * (1.0 + 1e-12):
+        raise RequestError(f"within {within!r} s: must be greater than 0 and at most the duration, {duration:.10g} s")
+    until = duration if within is None else min(within, duration)
+    translation, attitude = translation_bound(pursuit, start), attitude_bound(pursuit, start)
+    capture = _capture(pursuit, start, translation, attitude)
+    return Bounds(
+        capture=capture,
+        translation=translation,
+        attitude=attitude,
+        delta_v=delta_v_bound(pursuit, start, until),
+        within=until,
+        detumble=detumble_bound(case, 0.0 if math.isinf(capture.lower) else capture.lower),
+    )
+
+
+def _capture(pursuit: Pursuit, start: Array, translation: Bracket, attitude: AttitudeBound) -> Rendezvous:
+    lower = minimum_times(pursuit, start).capture
+    soonest = max(lower, translation.upper, attitude.upper)
+    if math.isinf(soonest):
+        return Rendezvous(lower, math.inf, None, None)
+    tick = ticks(soonest, pursuit.period)
+    for _ in range(ATTEMPTS):
+        slew = first_slew(pursuit, start, tick)
+        if slew is None:
+            break
+        tick = ticks(float(slew.times[-1]), pursuit.period)
+        place, velocity = _goal(pursuit, start, slew, tick)
+        transfer = reach_at_tick(pursuit, start, tick, place, velocity)
+        if transfer is not None:
+            return Rendezvous(lower, tick * pursuit.period, transfer, slew)
+        tick += 1
+    return Rendezvous(lower, math.inf, None, None)
+
+
+def _goal(pursuit: Pursuit, start: Array, slew: Slew, tick: int) -> tuple[Array | None, Array | None]:
+    """Give r_des and v_des in H, (dwell + 1, 3) each, at a tick and over the dwell before it, for the chaser as it turns.
+
+    r_des = R_HD p_D - R_HC p_C, v_des = Ω_D × R_HD p_D - Ω_C × R_HC p_C, Ω = w - w_H in H. None without grasp points.
+    """
+    if pursuit.grasp_points is None:
+        return None, None
+    span = slice(tick - pursuit.dwell_ticks, tick + 1)
+    debris = start[13:17] / np.linalg.norm(start[13:17])
+    tumbling = tumble(pursuit.debris_inertia, debris, start[17:20], pursuit.period, tick)
+    half = 0.5 * pursuit.mean_motion * pursuit.period * np.arange(tick + 1)[span, None]
+    turned = np.concatenate((np.cos(half), np.sin(half) * np.array([0.0, 0.0, 1.0])), axis=-1)
+    to_lvlh = conjugate(multiply(pursuit.lvlh_attitude, turned))  # q_HN†
+    place, velocity = np.zeros((2, pursuit.dwell_ticks + 1, 3))
+    for sign, point, (attitudes, rates) in zip(
+        (-1.0, 1.0), pursuit.grasp_points, ((slew.attitude, slew.rate), tumbling), strict=True
+    ):
+        in_lvlh = multiply(to_lvlh, attitudes[span])
+        arm = rotate(in_lvlh, np.broadcast_to(point, rates[span].shape))
+        spin = rotate(in_lvlh, rates[span]) - np.array([0.0, 0.0, pursuit.mean_motion])
+        place += sign * arm
+        velocity += sign * np.cross(spin, arm)
+    return (np.zeros_like(place) if pursuit.from_debris else place), velocity

@@ -1,0 +1,253 @@
+"""The bound of every run of a campaign: its own start, bodies, limits and thresholds, as drawn.
+
+The bound depends on nothing that a law does, so one table serves every law that flies these runs. Runs that were drawn
+alike share one bound. Many are dealt out to further processes of this Python, which talk in lines of JSON: a float
+written by Python reads back to the bit, so the answer does not depend on how many there are.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import signal
+import subprocess
+import sys
+from concurrent.futures import CancelledError, ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from detumble.analysis.bounds.detumbling import detumble_lower, largest_moment
+from detumble.analysis.bounds.earliest import minimum_capture_times
+from detumble.analysis.bounds.fuel import delta_v_lower
+from detumble.analysis.bounds.pursuit import Pursuit, start_of
+from detumble.campaigns.crews import available_threads
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from typing import Self
+
+    from detumble.analysis.bounds.tumble import Array
+    from detumble.analysis.trials import Trials
+
+CHASE = (
+    "start.",
+    "orbit.",
+    "chaser.",
+    "debris.inertia",
+    "debris.grasp_point",
+    "goal.position",
+    "capture.",
+    "actuators.",
+)
+"""Beginnings of the paths of the core that matter until capture: not sensors, beliefs, gains, or the target's mass."""
+STACK = (*CHASE, "debris.mass", "settled.")
+"""And after it."""
+DEALT = {"capture": 64, "delta_v": 4}
+"""Runs dealt out at a time, some tenths of a second of work."""
+FEW = 16
+"""Up to so many times that, runs are sooner bounded here than processes have started."""
+_WORKER = "from detumble.analysis.bounds.runs import serve; serve()"
+
+
+def capture_bounds(
+    trials: Trials, *, processes: int | None = None, progress: Callable[[int], None] | None = None
+) -> Array:
+    """Bound the capture time of each run from below, whatever controller flies it.
+
+    Args:
+        trials: the runs; their horizon and change hold here too.
+        processes: to share the work; None for one on each processor. The answer is the same.
+        progress: called now and then with the number of runs done; an exception that it raises ends the work.
+
+    Returns:
+        (runs,) s: no capture can come earlier (`analysis.bounds.earliest`); inf where none can come at all.
+
+    Raises:
+        ScenarioError: the scenario cannot be flown.
+    """
+    return _asked("capture", trials, np.empty((trials.count, 0)), processes, progress)
+
+
+def delta_v_bounds(
+    trials: Trials,
+    within: Array,
+    *,
+    processes: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Array:
+    """Bound the Δv of a capture from below, run by run (`analysis.bounds.fuel`).
+
+    Args:
+        trials: the runs.
+        within: (k, runs) s: until when each shall have captured; k times are asked of each start.
+        processes: as for `capture_bounds`.
+        progress: likewise; it counts questions.
+
+    Returns:
+        (k, runs) m/s, the time being that of `within`; NaN where that is not finite.
+
+    Raises:
+        ScenarioError: the scenario cannot be flown.
+    """
+    times = within.reshape(-1, 1)
+    found = _asked("delta_v", trials, np.where(np.isfinite(times), times, np.nan), processes, progress)
+    of_runs: Array = found.reshape(within.shape)
+    return of_runs
+
+
+def settling_bounds(trials: Trials, momentum: Array) -> Array:
+    """Bound the time from capture to settled from below, run by run (`analysis.bounds.detumbling`).
+
+    Args:
+        trials: the runs.
+        momentum: (k, runs) N m s, of the stack at capture: k times for each run.
+
+    Returns:
+        (k, runs) s; NaN where the momentum is.
+
+    Raises:
+        ScenarioError: the scenario cannot be flown.
+    """
+    nominal, columns = trials.nominal("none"), _columns(trials, STACK)
+    table = np.hstack([*columns.values(), np.empty((trials.count, 0))])
+    _, firsts, members = np.unique(table, axis=0, return_index=True, return_inverse=True)
+    cases = [_case(nominal, columns, int(index)) for index in firsts]
+    torque = np.array([Pursuit.of(case).torque for case in cases])
+    moment = np.array([largest_moment(case) for case in cases])
+    rate = np.array([float(case["orbit"]["mean_motion"]) + float(case["settled"]["rate"]) for case in cases])
+    own = members.reshape(-1)
+    return detumble_lower(momentum, torque[own], moment[own], rate[own])
+
+
+def _asked(
+    question: str, trials: Trials, further: Array, processes: int | None, progress: Callable[[int], None] | None
+) -> Array:
+    """Put a question to each run, with further numbers (k runs, m): k times to run 0, 1, …, and so on."""
+    nominal, columns = trials.nominal("none"), _columns(trials, CHASE)
+    widths = {path: values.shape[1] for path, values in columns.items()}
+    fields = np.hstack([*columns.values(), np.empty((trials.count, 0))])
+    table = np.hstack([np.tile(fields, (len(further) // trials.count, 1)), further])
+    rows, members, sizes = np.unique(table, axis=0, return_inverse=True, return_counts=True)
+    dealt = DEALT[question]
+    chunks = [slice(first, min(first + dealt, len(rows))) for first in range(0, len(rows), dealt)]
+    workers = 1 if len(chunks) <= FEW else min(processes or available_threads(), len(chunks))
+    bounds = np.full(len(rows), np.nan)
+    done = 0
+    with _Crew(_Job(question, nominal, widths), workers) as crew:
+        for chunk, found in zip(chunks, crew.map([rows[chunk] for chunk in chunks]), strict=True):
+            bounds[chunk] = found
+            done += int(sizes[chunk].sum())
+            if progress:
+                progress(done)
+    of_runs: Array = bounds[members.reshape(-1)]
+    return of_runs
+
+
+def _columns(trials: Trials, matters: tuple[str, ...]) -> dict[str, Array]:
+    """What differs from run to run and matters to a bound."""
+    return {path: values for path, values in trials.columns("none").items() if path.startswith(matters)}
+
+
+def _case(nominal: Mapping[str, Any], columns: Mapping[str, Array], index: int) -> dict[str, Any]:
+    """The nominal case with the numbers of one run."""
+    own = {name: dict(table) for name, table in nominal.items()}
+    for path, values in columns.items():
+        table, _, name = path.partition(".")
+        own[table][name] = values[index].reshape(np.shape(own[table][name]))
+    return own
+
+
+@dataclass(frozen=True)
+class _Job:
+    """A question, and the case of which each row changes some numbers.
+
+    Attributes:
+        question: `capture`, or `delta_v`, whose rows end with the time by which.
+        nominal: the core's case.
+        widths: numbers in a row for each path, in order.
+    """
+
+    question: str
+    nominal: Mapping[str, Any]
+    widths: Mapping[str, int]
+
+    def answers(self, rows: Array) -> Array:
+        """Answer for rows (n, numbers)."""
+        parts = np.split(rows, np.cumsum(list(self.widths.values()), dtype=np.intp), axis=1)
+        columns = dict(zip(self.widths, parts, strict=False))
+        return np.array([self._answer(_case(self.nominal, columns, index), rows[index]) for index in range(len(rows))])
+
+    def _answer(self, case: Mapping[str, Any], row: Array) -> float:
+        pursuit, start = Pursuit.of(case), start_of(case)
+        if self.question == "capture":
+            return float(minimum_capture_times(pursuit, start[None])[0])
+        return math.nan if math.isnan(row[-1]) else delta_v_lower(pursuit, start, float(row[-1]))
+
+
+class _Crew:
+    """Bounds chunks of runs, in this process or by several others; in `with`, at whose end they are gone.
+
+    A pool of multiprocessing would import the user's main module anew in each worker, and with it do all that an unguarded
+    script does.
+    """
+
+    def __init__(self, job: _Job, workers: int) -> None:
+        self._alone = job.answers
+        self._over = False
+        self._threads = ThreadPoolExecutor(workers)
+        self._workers: list[subprocess.Popen[str]] = []
+        if workers > 1:
+            command = [sys.executable, "-c", _WORKER]
+            for _ in range(workers):
+                self._workers.append(
+                    subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+                )
+                with suppress(OSError):  # one that did not come to life is met again when it is asked
+                    _tell(self._workers[-1], json.dumps(asdict(job)))
+        self._idle = list(self._workers)
+
+    def map(self, chunks: Sequence[Array]) -> Iterator[Array]:
+        """Give the bounds of each chunk, in order."""
+        return self._threads.map(self._ask, chunks) if self._workers else map(self._alone, chunks)
+
+    def _ask(self, rows: Array) -> Array:
+        worker = self._idle.pop()  # there are as many as threads
+        answer = ""
+        with suppress(OSError):
+            answer = _tell(worker, json.dumps(rows.tolist()), answered=True)
+        self._idle.append(worker)
+        if self._over:
+            raise CancelledError
+        # without an answer it is gone: killed, or this is no Python that can be started again
+        return np.array(json.loads(answer)) if answer.endswith("\n") else self._alone(rows)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._over = True
+        for worker in self._workers:
+            worker.kill()
+        self._threads.shutdown(cancel_futures=True)
+        for worker in self._workers:
+            with suppress(OSError), worker:  # closes the pipes
+                pass
+
+
+def _tell(worker: subprocess.Popen[str], line: str, *, answered: bool = False) -> str:
+    assert worker.stdin is not None
+    assert worker.stdout is not None
+    worker.stdin.write(line + "\n")
+    worker.stdin.flush()
+    return worker.stdout.readline() if answered else ""
+
+
+def serve() -> None:
+    """Bound what is asked for, a line of JSON at a time, until nobody asks any more."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever asks decides when it ends
+    job = _Job(**json.loads(sys.stdin.readline()))
+    for line in sys.stdin:
+        print(json.dumps(job.answers(np.array(json.loads(line))).tolist()), flush=True)

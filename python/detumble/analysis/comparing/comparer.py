@@ -1,0 +1,222 @@
+"""A comparison from its plan to its result: tune, judge on held-out runs, bound, change something, test, order.
+
+Everybody gets the same: budget, objective, horizon, training starts, seeds of the searches. Each entry is tuned several times,
+since one search may be lucky; the tuning of the least cost on the training starts is judged, and the others tell how much
+luck there was. Nothing that is reported was measured on the training starts, but their own cost.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from detumble.analysis.bounds.runs import capture_bounds, delta_v_bounds, settling_bounds
+from detumble.analysis.comparing.entries import check_entries, entries_of
+from detumble.analysis.comparing.judge import Runs, Verdict, fly
+from detumble.analysis.comparing.plan import SPREAD, Plan, Unwatched, Watcher
+from detumble.analysis.comparing.ranking import Score
+from detumble.analysis.comparing.ratios import FUEL_RUNS, Ratio
+from detumble.analysis.comparing.result import Comparison, Judged, Tuning, pairs_of, ranking_of
+from detumble.analysis.comparing.robustness import flights, robustness, sweeps_of
+from detumble.analysis.trials import Trials
+from detumble.analysis.tuning import tune
+from detumble.analysis.tuning.gains import natural_of
+from detumble.analysis.tuning.horizon import default_horizon
+from detumble.errors import RequestError
+from detumble.scenario.files import load
+from detumble.scenario.laws import LAWS
+from detumble.scenario.model import Scenario
+from detumble.writing import output_folder
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Sequence
+
+    from detumble.analysis.comparing.entries import Entry
+    from detumble.analysis.comparing.robustness import Curve
+    from detumble.campaigns.intervals import Array
+
+
+def compare(
+    scenario: Scenario | str | os.PathLike[str],
+    entries: Sequence[Entry] | None = None,
+    plan: Plan | None = None,
+    *,
+    out: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+    threads: int | None = None,
+    watcher: Watcher | None = None,
+) -> Comparison:
+    """Compare control laws in one scenario.
+
+    Args:
+        scenario: a scenario, or what `load` takes; its gains are what the searches begin with.
+        entries: who; None is every law, printed and corrected (as given: every law that the scenario has gains for).
+        plan: how; None is the default one.
+        out: folder for the records of the searches, one scenario file per entry with its gains, and `comparison.json`.
+        resume: go on with the searches that the folder holds.
+        threads: to use; None for all processors. The result is the same.
+        watcher: is told how it gets on.
+
+    Raises:
+        RequestError: an argument makes no sense, or the folder cannot be used.
+        ScenarioError: the scenario cannot be flown.
+    """
+    scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
+    plan = plan or Plan()
+    if entries is None:
+        entries = entries_of([law for law in LAWS if not plan.as_given or getattr(scenario.laws, law) is not None])
+    check_entries(entries, scenario, as_given=plan.as_given)
+    folder = Path(out) if out is not None else None
+    with output_folder(folder):
+        work = _Work(scenario, plan, folder, resume, threads, watcher or Unwatched())
+        judged = [work.judged(entry) for entry in entries]
+        bounds = work.bounds()
+        judged = [replace(one, ratios=ratios) for one, ratios in zip(judged, work.ratios(judged, bounds), strict=True)]
+        judged = [replace(one, curves=work.curves(one)) for one in judged]
+        pairs = pairs_of(judged)
+        ranking = ranking_of(judged, pairs, plan.objective.what, scenario.time.control_period)
+        result = Comparison(scenario, work.plan, tuple(judged), bounds, pairs, ranking)
+        if folder is not None:
+            result.save(folder)
+    return result
+
+
+class _Work:
+    """What is the same for all entries while they are compared."""
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        plan: Plan,
+        folder: Path | None,
+        resume: bool,
+        threads: int | None,
+        watcher: Watcher,
+    ) -> None:
+        horizon = default_horizon(scenario, plan.seed, plan.starts) if plan.horizon is None else plan.horizon
+        if not horizon > 0.0:
+            raise RequestError(f"horizon {horizon:g} s: must be greater than 0")
+        self.scenario = scenario
+        self.plan = replace(plan, horizon=min(horizon, scenario.time.duration))
+        self.end = plan.objective.end(scenario)
+        acceleration = natural_of(scenario, "translation").acceleration if plan.objective.unit == "m/s" else math.inf
+        self.ceiling = plan.objective.ceiling(min(horizon, scenario.time.duration), acceleration)
+        self.sweeps = sweeps_of(scenario) if plan.robust else ()
+        self.folder, self.resume, self.threads, self.watcher = folder, resume, threads, watcher
+
+    def judged(self, entry: Entry) -> Judged:
+        """Tune an entry, and fly the held-out runs with what was found."""
+        plan = self.plan
+        found = (
+            [_as_given(entry, self.scenario)] if plan.as_given else [self._tuned(entry, k) for k in range(plan.tunings)]
+        )
+        chosen = min(range(len(found)), key=lambda place: found[place].cost or 0.0)
+        runs = self._flown(entry, found[chosen].scenario, plan.runs)
+        first = [
+            runs.first(SPREAD) if place == chosen else self._flown(entry, tuning.scenario, min(SPREAD, plan.runs))
+            for place, tuning in enumerate(found)
+        ]
+        tunings = tuple(
+            replace(tuning, verdict=Verdict.of(own), score=self._score(own))
+            for tuning, own in zip(found, first, strict=True)
+        )
+        return Judged(entry, tunings, chosen, runs, Verdict.of(runs), self._score(runs))
+
+    def _tuned(self, entry: Entry, number: int) -> Tuning:
+        plan = self.plan
+        record = self.folder / "records" / f"{entry.file}-{number}" / "record.jsonl" if self.folder else None
+        if record:
+            record.parent.mkdir(parents=True, exist_ok=True)
+        self.watcher.stage(f"{entry.name}: tuning {number + 1} of {plan.tunings}", plan.budget)
+        tuned = tune(
+            self.scenario,
+            entry.law,
+            form=entry.form,
+            budget=plan.budget,
+            starts=plan.starts,
+            seed=plan.seed,
+            optimiser_seed=plan.seed + number,
+            objective=plan.objective,
+            horizon=plan.horizon,
+            record=record,
+            resume=self.resume,
+            threads=self.threads,
+            watcher=_Search(self.watcher),
+        )
+        return Tuning(tuned.optimiser_seed, tuned.scenario, tuned.gains, tuned.cost, tuned.success)
+
+    def _flown(self, entry: Entry, scenario: Scenario, runs: int) -> Runs:
+        self.watcher.stage(f"{entry.name}: held-out runs", runs)
+        return fly(
+            scenario, entry.law, self.plan.judging, runs, end=self.end, threads=self.threads, progress=self.watcher.now
+        )
+
+    def _score(self, runs: Runs) -> Score:
+        objective = self.plan.objective
+        cost = float(objective.judge(runs.results(), self.ceiling).cost[0])
+        return Score.of(float(np.mean(runs.succeeded)), objective.required, cost)
+
+    def bounds(self) -> Array:
+        """Bound the capture time of every held-out run: one table for all entries."""
+        self.watcher.stage("least capture time of every run", self.plan.runs)
+        trials = Trials(self.scenario, self.plan.judging, 0, self.plan.runs)
+        return capture_bounds(trials, processes=self.threads, progress=self.watcher.now)
+
+    def ratios(self, judged: Sequence[Judged], bounds: Array) -> list[dict[str, Ratio]]:
+        """Put entries against what any controller could do."""
+        count = min(FUEL_RUNS, self.plan.runs)
+        self.watcher.stage("least Δv of the first runs", count * len(judged))
+        within = np.array([one.runs["capture_time"][:count] for one in judged])
+        trials = Trials(self.scenario, self.plan.judging, 0, count)
+        fuel = delta_v_bounds(trials, within, processes=self.threads, progress=self.watcher.now)
+        several = min(SPREAD, self.plan.runs)
+        momentum = np.array([one.runs["momentum_at_capture"][:several] for one in judged])
+        settling = settling_bounds(Trials(self.scenario, self.plan.judging, 0, several), momentum)
+        return [
+            {
+                "time": Ratio.of(one.runs["capture_time"], bounds),
+                "delta_v": Ratio.of(one.runs["delta_v_to_capture"][:count], least),
+                "settling": Ratio.of(one.runs["settling_time"][:several], quickest),
+            }
+            for one, least, quickest in zip(judged, fuel, settling, strict=True)
+        ]
+
+    def curves(self, one: Judged) -> tuple[Curve, ...]:
+        """Fly an entry with something changed."""
+        if not self.plan.robust:
+            return ()
+        count = min(self.plan.robust, self.plan.runs)
+        self.watcher.stage(f"{one.entry.name}: robustness", flights(self.sweeps, count))
+        return robustness(
+            one.tuning.scenario,
+            one.entry.law,
+            self.sweeps,
+            one.runs.first(count),
+            seed=self.plan.judging,
+            end=self.end,
+            threads=self.threads,
+            progress=self.watcher.now,
+        )
+
+
+def _as_given(entry: Entry, scenario: Scenario) -> Tuning:
+    return Tuning(None, entry.told(scenario), {}, None, None)
+
+
+class _Search:
+    """Passes on how a search gets on."""
+
+    def __init__(self, watcher: Watcher) -> None:
+        self._watcher = watcher
+
+    def begin(self, budget: int) -> None:
+        """Nothing that is not known."""
+
+    def now(self, done: int, cost: float, share: float) -> None:  # noqa: ARG002  # as a search tells it
+        """Pass on how far it is."""
+        self._watcher.now(done)

@@ -1,0 +1,120 @@
+"""Who takes part in a comparison: a law in one of its forms, under a name."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, cast
+
+from detumble.errors import RequestError
+from detumble.scenario.laws import LAWS, TITLES
+from detumble.scenario.wording import did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from detumble.scenario.laws import Form
+    from detumble.scenario.model import Scenario
+
+FORMS: tuple[Form, ...] = ("printed", "corrected")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A law that is compared.
+
+    Attributes:
+        name: in tables, figures and file names; two entries may be the same law under two names.
+        law: one of `LAWS`.
+        form: as the paper prints the law, or corrected.
+    """
+
+    name: str
+    law: str
+    form: Form
+
+    @classmethod
+    def of(cls, law: str, form: Form) -> Entry:
+        """Name a law and its form as tables do: TSMC, or TSMC corrected."""
+        return cls(TITLES[law] + (" corrected" if form == "corrected" else ""), law, form)
+
+    @classmethod
+    def parsed(cls, text: str, scenario: Scenario) -> Entry:
+        """Read `NAME=LAW` or `NAME=LAW:FORM`; without a form it is the scenario's.
+
+        Raises:
+            RequestError: it cannot be read, or there is no such law.
+        """
+        name, equals, rest = text.partition("=")
+        law, colon, form = rest.partition(":")
+        if not equals or not name.strip() or not law:
+            raise RequestError(f"entry {text!r}: must be NAME=LAW or NAME=LAW:FORM")
+        _check(law)
+        given = getattr(scenario.laws, law)
+        own: Form = given.form if given else "printed"
+        if colon and form not in FORMS:
+            raise RequestError(f"entry {text!r}: form {form!r} must be printed or corrected{did_you_mean(form, FORMS)}")
+        return cls(name.strip(), law, cast("Form", form) if colon else own)
+
+    @property
+    def file(self) -> str:
+        """The name as part of a file name: lower case, letters and digits with hyphens between."""
+        return re.sub(r"[^a-z0-9]+", "-", self.name.lower()).strip("-")
+
+    def told(self, scenario: Scenario) -> Scenario:
+        """Give a copy of the scenario that flies the law in this form."""
+        own = scenario.model_copy(deep=True)
+        getattr(own.laws, self.law).form = self.form
+        return own
+
+
+def entries_of(laws: Iterable[str] = LAWS, forms: Iterable[Form] = FORMS) -> tuple[Entry, ...]:
+    """Give an entry for each law and form.
+
+    Args:
+        laws: names.
+        forms: of each.
+
+    Raises:
+        RequestError: there is no such law.
+    """
+    forms = tuple(forms)
+    return tuple(Entry.of(law, form) for law in map(_check, laws) for form in forms)
+
+
+def check_entries(entries: Sequence[Entry], scenario: Scenario, *, as_given: bool) -> None:
+    """Make sure that entries can be compared.
+
+    Args:
+        entries: who.
+        scenario: what is flown.
+        as_given: with the gains that the scenario has.
+
+    Raises:
+        RequestError: there are fewer than two, two have one name, a name cannot be a file's, or a law has no gains that could be
+            flown as given.
+    """
+    if len(entries) < 2:
+        raise RequestError(f"entries: {len(entries)} given; a comparison needs at least two")
+    met: dict[str, str] = {}
+    for entry in entries:
+        _check(entry.law)
+        if as_given and getattr(scenario.laws, entry.law) is None:
+            known = [law for law in LAWS if getattr(scenario.laws, law) is not None]
+            raise RequestError(
+                f"entry {entry.name!r}: {scenario.title} has no gains for {entry.law}; it has them for "
+                f"{', '.join(known) or 'none'}"
+            )
+        if not entry.file:
+            raise RequestError(f"entry {entry.name!r}: its name must have a letter or a digit")
+        if entry.file in met:
+            raise RequestError(
+                f"entries {met[entry.file]!r} and {entry.name!r}: the names must differ, also as file names"
+            )
+        met[entry.file] = entry.name
+
+
+def _check(law: str) -> str:
+    if law not in LAWS:
+        raise RequestError(f"law {law!r}: must be one of {', '.join(LAWS)}{did_you_mean(law, LAWS)}")
+    return law

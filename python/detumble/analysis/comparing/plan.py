@@ -1,0 +1,103 @@
+"""How a comparison is made: the same for every entry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from detumble.analysis.tuning import Objective
+from detumble.errors import RequestError
+from detumble.flight import MOST_SEED
+
+SPREAD = 10_000
+"""Held-out runs, the first, on which the tunings that were not chosen are judged."""
+
+
+class Watcher(Protocol):
+    """Is told how a comparison gets on."""
+
+    def stage(self, what: str, total: int) -> None:
+        """A part of the work begins, so many units long."""
+        ...
+
+    def now(self, done: int) -> None:
+        """So many units of it are done."""
+        ...
+
+
+class Unwatched:
+    """Nobody looks."""
+
+    def stage(self, what: str, total: int) -> None:
+        """Say nothing."""
+
+    def now(self, done: int) -> None:
+        """Say nothing."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What every entry is given, and what it is judged on.
+
+    Attributes:
+        objective: that gains are tuned for and entries are ordered by.
+        horizon: s, of the flights of the tuning; None as `analysis.tuning.horizon` has it.
+        budget: candidates of each tuning.
+        starts: runs that each candidate flies.
+        tunings: independent searches of each entry.
+        seed: of the training starts; the searches have the seeds from this one on.
+        held_out: seed of the runs that entries are judged on; None is the next one.
+        runs: that they are judged on.
+        robust: of these, how many are flown again with something changed; 0 leaves that out.
+        as_given: nothing is tuned; the scenario's own gains are judged.
+    """
+
+    objective: Objective = field(default_factory=Objective)
+    horizon: float | None = None
+    budget: int = 1000
+    starts: int = 256
+    tunings: int = 3
+    seed: int = 0
+    held_out: int | None = None
+    runs: int = 100_000
+    robust: int = 10_000
+    as_given: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse what makes no sense.
+
+        Raises:
+            RequestError: naming the argument.
+        """
+        if self.held_out is None:
+            object.__setattr__(self, "held_out", self.seed + 1 if self.seed < MOST_SEED else 0)
+        ranges = {"seed": (0, MOST_SEED), "held_out": (0, MOST_SEED), "budget": (1, 10**9), "starts": (1, 10**6)}
+        ranges |= {"tunings": (1, 100), "runs": (1, 10**7), "robust": (0, 10**7)}
+        for name, (least, most) in ranges.items():
+            value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+                raise RequestError(f"{name} {value!r}: must be a whole number from {least} to {most}")
+        if self.held_out == self.seed:
+            raise RequestError(f"held_out {self.held_out}: must not be the seed of the training starts")
+
+    @property
+    def judging(self) -> int:
+        """Seed of the held-out runs."""
+        assert self.held_out is not None
+        return self.held_out
+
+    def to_json(self) -> dict[str, Any]:
+        """Give it as JSON takes it."""
+        tuned = {"budget": self.budget, "starts": self.starts, "tunings": self.tunings, "seed": self.seed}
+        return {
+            "objective": self.objective.what,
+            "statistic": self.objective.statistic,
+            "required": self.objective.required,
+            "unit": self.objective.unit,
+            "horizon_s": self.horizon,
+            "as_given": self.as_given,
+            **({} if self.as_given else tuned),
+            "held_out_seed": self.judging,
+            "runs": self.runs,
+            "robustness_runs": self.robust,
+        }

@@ -1,0 +1,144 @@
+"""Who minds when something is otherwise than the laws were tuned for: belief, noise or control period, one at a time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from detumble.analysis.comparing.judge import Runs, Verdict, fly
+from detumble.analysis.trials import Change, Trials
+from detumble.errors import ScenarioError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from detumble.analysis.tuning.objective import Until
+    from detumble.scenario.model import Scenario
+
+BELIEFS = (0.5, 0.7, 0.9, 1.0, 1.1, 1.3, 1.5)
+NOISES = (1.0, 3.0, 10.0)
+PERIODS = (0.05, 0.1, 0.2, 0.5, 1.0)
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """One number that is changed, the others as the scenario has them.
+
+    Attributes:
+        key: name in JSON.
+        label: for tables and figures, with the unit.
+        own: the scenario's own value.
+        values: that are flown, its own among them or not.
+    """
+
+    key: str
+    label: str
+    own: float
+    values: tuple[float, ...]
+
+    def change(self, value: float) -> Change:
+        """Give what is made otherwise; nothing, for the scenario's own value."""
+        if value == self.own:
+            return Change()
+        match self.key:
+            case "belief":
+                return Change(belief=value)
+            case "noise":
+                return Change(noise=value)
+            case _:
+                return Change(control_period=value)
+
+
+def sweeps_of(scenario: Scenario) -> tuple[Sweep, ...]:
+    """Give what is changed in a scenario: control periods that it cannot be flown with are left out."""
+    own = scenario.time.control_period
+    sweeps = (
+        Sweep("belief", "believed inertia over design [–]", 1.0, BELIEFS),
+        Sweep("noise", "noise of the sensors, times [–]", 1.0, NOISES),
+        Sweep("control_period_s", "control period [s]", own, tuple(sorted({*PERIODS, own}))),
+    )
+    return tuple(
+        Sweep(
+            sweep.key, sweep.label, sweep.own, tuple(value for value in sweep.values if _flies(scenario, sweep, value))
+        )
+        for sweep in sweeps
+    )
+
+
+def _flies(scenario: Scenario, sweep: Sweep, value: float) -> bool:
+    try:
+        Trials(scenario, 0, 0, 1, change=sweep.change(value)).nominal("none")
+    except ScenarioError:
+        return False
+    return True
+
+
+@dataclass(frozen=True)
+class Curve:
+    """How an entry does along a sweep.
+
+    Attributes:
+        sweep: what is changed.
+        verdicts: for each of its values.
+    """
+
+    sweep: Sweep
+    verdicts: tuple[Verdict, ...]
+
+    def to_json(self) -> list[dict[str, Any]]:
+        """Give it as JSON takes it."""
+        wanted = ("capture_time_s", "settling_time_s", "settled_time_s")
+        return [
+            {
+                self.sweep.key: value,
+                **verdict.success.to_json("success"),
+                **{name: verdict.figures[name].to_json() for name in wanted},
+            }
+            for value, verdict in zip(self.sweep.values, self.verdicts, strict=True)
+        ]
+
+
+def robustness(
+    scenario: Scenario,
+    law: str,
+    sweeps: tuple[Sweep, ...],
+    own: Runs,
+    *,
+    seed: int,
+    end: Until | None = None,
+    threads: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> tuple[Curve, ...]:
+    """Fly the runs of an entry again with each change.
+
+    Args:
+        scenario: with the gains of the entry.
+        law: one of `LAWS`.
+        sweeps: what is changed.
+        own: the runs as the scenario has them, which are not flown again.
+        seed: that they were flown with.
+        end: how flights end.
+        threads: to use; None for all processors.
+        progress: called now and then with the number of runs landed.
+    """
+    flown = 0
+    known = Verdict.of(own)
+    curves = []
+    for sweep in sweeps:
+        verdicts = []
+        for value in sweep.values:
+            change = sweep.change(value)
+            if change == Change():
+                verdicts.append(known)
+                continue
+            landed = (lambda count, before=flown: progress(before + count)) if progress else None
+            runs = fly(scenario, law, seed, len(own), end=end, change=change, threads=threads, progress=landed)
+            verdicts.append(Verdict.of(runs))
+            flown += len(own)
+        curves.append(Curve(sweep, tuple(verdicts)))
+    return tuple(curves)
+
+
+def flights(sweeps: tuple[Sweep, ...], runs: int) -> int:
+    """Count the flights that `robustness` takes."""
+    return runs * sum(sweep.change(value) != Change() for sweep in sweeps for value in sweep.values)

@@ -1,0 +1,160 @@
+"""What a set of gains is worth: one number from what came of its flights, finite whatever happened.
+
+Each run i that succeeded has a value v_i: the capture time, that and the settling time, the Δv to capture, or all of the Δv. A
+success is the campaign's: captured, and settled where the bodies merge and the flight does not end at capture. No value counts
+for more than the ceiling C, and a run that failed counts for C: the horizon for times; for Δv all three axes at the weakest
+axis' full acceleration for the whole horizon.
+
+    J = S(v_i)                            where the share of successes is at least the required one; so J ≤ C
+    J = C (1 + (required - share) + g)    where it is not; so J > C
+
+S is the mean, or a percentile as an order statistic: the least value that so many percent of the runs do not exceed. g is the
+mean over the runs of how badly they failed, which gives a search a slope to follow where nothing succeeds yet:
+
+    0       success
+    0.2     captured, not settled
+    0.4     all thresholds held at once, but not for the dwell time
+    0.5     each threshold held at some time, never all at once; 0.1 more for each of the four that never held
+    1       the state left the numbers
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from detumble.campaigns.rows import DIVERGED, DWELL_MISSED, NEVER_CAPTURED, NOT_SETTLED
+from detumble.errors import RequestError
+
+if TYPE_CHECKING:
+    from detumble.analysis.trials import Results
+    from detumble.scenario.model import Scenario
+
+Array = NDArray[np.float64]
+What = Literal["capture", "settling", "delta_v", "delta_v_total"]
+Until = Literal["settled", "captured", "duration"]
+MEANINGS: dict[What, str] = {
+    "capture": "time to capture",
+    "settling": "time until settled",
+    "delta_v": "Δv to capture",
+    "delta_v_total": "Δv of the flight",
+}
+
+_GRADES = np.zeros(256)
+_GRADES[[NOT_SETTLED, DWELL_MISSED, DIVERGED]] = 0.2, 0.4, 1.0
+_GRADES[NEVER_CAPTURED : NEVER_CAPTURED + 16] = [0.5 + 0.1 * bits.bit_count() for bits in range(16)]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What candidates are worth; every array is (candidates,).
+
+    Attributes:
+        cost: J above, s or m/s.
+        share: of the runs that succeeded.
+    """
+
+    cost: Array
+    share: Array
+
+
+@dataclass(frozen=True)
+class Objective:
+    """What a search makes small.
+
+    Attributes:
+        what: `capture`: time of capture; `settling`: time from the start until settled; `delta_v`: Δv to capture;
+            `delta_v_total`: Δv of the whole flight.
+        percentile: of the starts, in (0, 100]; None is the mean.
+        required: share of the starts that must succeed.
+        until: how flights end: at capture, when the stack has settled, or never early; None as the scenario's `campaign.end`.
+    """
+
+    what: What = "capture"
+    percentile: float | None = None
+    required: float = 0.95
+    until: Until | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what makes no sense.
+
+        Raises:
+            RequestError: naming the attribute.
+        """
+        if self.what not in MEANINGS:
+            raise RequestError(f"objective {self.what!r}: must be one of {', '.join(MEANINGS)}")
+        if self.percentile is not None and not 0.0 < self.percentile <= 100.0:
+            raise RequestError(f"percentile {self.percentile:g}: must be greater than 0 and at most 100")
+        if not 0.0 <= self.required <= 1.0:
+            raise RequestError(f"required {self.required:g}: a share must be at least 0 and at most 1")
+        if self.until not in (None, "settled", "captured", "duration"):
+            raise RequestError(f"until {self.until!r}: must be settled, captured or duration")
+
+    @property
+    def statistic(self) -> str:
+        """`mean`, or the percentile as in `p95`."""
+        return "mean" if self.percentile is None else f"p{self.percentile:g}"
+
+    @property
+    def unit(self) -> str:
+        """s or m/s."""
+        return "m/s" if self.what.startswith("delta_v") else "s"
+
+    def end(self, scenario: Scenario) -> Until:
+        """Say how flights end.
+
+        Raises:
+            RequestError: the objective asks for stacks to settle, and none will.
+        """
+        end = self.until or scenario.campaign.end
+        if self.what == "settling" and not scenario.capture.merge:
+            raise RequestError("objective settling: capture.merge is false: there is no stack that could settle")
+        if self.what == "settling" and end == "captured":
+            raise RequestError("objective settling: flights end at capture; --until settled lets them go on")
+        return end
+
+    def ceiling(self, horizon: float, acceleration: float) -> float:
+        """Give C above.
+
+        Args:
+            horizon: s.
+            acceleration: the most that the weakest axis gives, m/s².
+        """
+        return 3.0 * acceleration * horizon if self.unit == "m/s" else horizon
+
+    def judge(self, results: Results, ceiling: float) -> Judgement:
+        """Judge candidates by what came of their flights.
+
+        Args:
+            results: of a trial.
+            ceiling: C above.
+        """
+        good, values = results.succeeded, self.values(results)
+        counted = np.where(good, np.fmin(values, ceiling), ceiling)
+        share = good.mean(axis=1)
+        graded = _GRADES[results.failure].mean(axis=1)
+        infeasible = ceiling * (1.0 + np.maximum(self.required - share, 0.0) + graded)
+        return Judgement(np.where(share >= self.required, self.summary(counted), infeasible), share)
+
+    def values(self, results: Results) -> Array:
+        """Give v of every run, (candidates, runs); NaN where it did not come about."""
+        match self.what:
+            case "capture":
+                return results["capture_time"]
+            case "settling":
+                return results["capture_time"] + results["settling_time"]
+            case "delta_v":
+                return results["delta_v_to_capture"]
+            case _:
+                return results["delta_v"]
+
+    def summary(self, values: Array) -> Array:
+        """Give S of each row of values (candidates, runs)."""
+        if self.percentile is None:
+            return np.asarray(values.mean(axis=1))
+        place = max(math.ceil(self.percentile / 100.0 * values.shape[1] - 1e-9), 1) - 1
+        return np.asarray(np.partition(values, place, axis=1)[:, place])

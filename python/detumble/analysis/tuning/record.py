@@ -1,0 +1,151 @@
+"""The record of a search: every evaluation in order, so that a search that was stopped goes on as if it had not been.
+
+A file of JSON lines. The first says what is searched; each further one holds the candidates that were flown together, as points
+of the unit cube, and what they came to. A search that continues asks for the same points again, takes what is recorded of them
+in that order, and flies the rest. Lines are written whole, and reach the disk before the next is begun; what a killed process
+left of a last line is cut off. Numbers are written with as many digits as read back to the same bits.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from detumble.errors import RequestError
+from detumble.locking import Lock
+from detumble.scenario.wording import shown
+from detumble.writing import reason
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from types import TracebackType
+    from typing import Self
+
+Array = NDArray[np.float64]
+FORMAT = 1
+_SAME = 1e-12
+"""Points asked for twice agree this well on machines whose last bits differ."""
+
+
+class Record:
+    """Evaluations of a search, those of an earlier process first. Use it in `with`; the folder is locked meanwhile.
+
+    Args:
+        path: the file; None keeps nothing.
+        header: what is searched, as JSON takes it.
+        resume: go on with what the file holds.
+
+    Raises:
+        RequestError: the file cannot be used, holds another search, or holds this one and `resume` is not set; or another process
+            writes in its folder.
+    """
+
+    def __init__(self, path: str | os.PathLike[str] | None, header: Mapping[str, Any], *, resume: bool = False) -> None:
+        self.path = Path(path) if path is not None else None
+        self._known: list[tuple[list[float], list[float]]] = []
+        self._next = 0
+        self._lock: Lock | None = None
+        if self.path is None:
+            return
+        self._lock = Lock(self.path.parent, "tuning here")
+        try:
+            self._open(self.path, json.loads(json.dumps({"format": FORMAT, **header})), resume)
+        except BaseException:
+            self._lock.close()
+            raise
+
+    def _open(self, path: Path, header: dict[str, Any], resume: bool) -> None:
+        try:
+            content = path.read_bytes() if path.exists() else b""
+        except OSError as error:
+            raise RequestError(f"{path}: cannot be read: {reason(error)}") from None
+        whole = content[: content.rfind(b"\n") + 1]
+        lines = [_parsed(path, number, line) for number, line in enumerate(whole.splitlines(), 1)]
+        if lines:
+            differing = _differences(lines[0], header)
+            if differing:
+                raise RequestError(f"{path}: holds another search ({differing})")
+            if not resume:
+                raise RequestError(f"{path}: holds this search already; --resume continues it")
+        try:
+            self._file = path.open("r+b" if path.exists() else "w+b")
+            self._file.truncate(len(whole))
+            self._file.seek(0, os.SEEK_END)
+        except OSError as error:
+            raise RequestError(f"{path}: cannot be written: {reason(error)}") from None
+        if not lines:
+            self._write(header)
+        for line in lines[1:]:
+            self._known += zip(line["points"], line["outcomes"], strict=True)
+
+    def known(self, points: Array) -> Array:
+        """Give what is recorded of the next points that the search asks for.
+
+        Args:
+            points: (k, n).
+
+        Returns:
+            Outcomes (j, m) of the first j of them, j from 0 to k.
+
+        Raises:
+            RequestError: other points were recorded here.
+        """
+        found = self._known[self._next : self._next + len(points)]
+        for point, (recorded, _) in zip(points, found, strict=False):
+            if len(point) != len(recorded) or np.any(np.abs(point - recorded) > _SAME):
+                raise RequestError(
+                    f"{self.path}: recorded by a search that went another way; other versions of libraries do that: begin anew"
+                )
+        self._next += len(found)
+        return np.array([outcome for _, outcome in found], float)
+
+    def append(self, points: Array, outcomes: Array) -> None:
+        """Add points (k, n) that were flown, and their outcomes (k, m).
+
+        Raises:
+            RequestError: the disk does not take them.
+        """
+        if self.path is not None and len(points):
+            self._write({"points": points.tolist(), "outcomes": outcomes.tolist()})
+
+    def _write(self, line: Mapping[str, Any]) -> None:
+        try:
+            self._file.write(json.dumps(line, allow_nan=False).encode() + b"\n")
+            self._file.flush()
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            raise RequestError(f"{self.path}: cannot be written: {reason(error)}") from None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._lock:
+            self._file.close()
+            self._lock.close()
+
+
+def _parsed(path: Path, number: int, line: bytes) -> dict[str, Any]:
+    try:
+        read: dict[str, Any] = json.loads(line)
+        if not isinstance(read, dict) or (number > 1 and len(read["points"]) != len(read["outcomes"])):
+            raise ValueError("is no record of a search")
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        raise RequestError(f"{path}: line {number}: broken: {error}") from None
+    return read
+
+
+def _differences(there: Mapping[str, Any], asked: Mapping[str, Any]) -> str:
+    """Say in what two headers differ."""
+    return "; ".join(
+        f"{name} {shown(there.get(name))} there, {shown(asked.get(name))} asked for"
+        for name in {**there, **asked}
+        if there.get(name) != asked.get(name)
+    )

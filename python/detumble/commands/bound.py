@@ -1,0 +1,107 @@
+"""`detumble bound`: what any controller could do at best: capture time, Δv, detumbling."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from detumble.commands.arguments import folder
+from detumble.commands.printing import fixed, json_text, print_json, remark, table
+
+if TYPE_CHECKING:
+    from detumble.analysis.bounds.bound import Bounds
+    from detumble.analysis.bounds.tumble import Array
+    from detumble.scenario.model import Scenario
+
+
+def bound(
+    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")],
+    more: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")] = None,
+    within: Annotated[
+        float | None, typer.Option(metavar="SECONDS", help="Least Δv to capture within this time.  [the duration]")
+    ] = None,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(parser=folder, metavar="DIR", help="Write bounds and trajectories here.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """Bound what any controller could do: the fastest capture, the least Δv, the least time to detumble."""
+    from detumble.analysis.bounds.bound import bound as bounds_of
+    from detumble.scenario.files import load, with_settings
+    from detumble.writing import output_folder
+
+    chosen = load(scenario)
+    if settings or more:
+        chosen = with_settings(chosen, [*(settings or ()), *(more or ())], scenario)
+    with output_folder(out):
+        found = bounds_of(chosen, within)
+        files = _write(chosen, found, out) if out else []
+    if as_json:
+        print_json(found.to_json() | {"scenario": chosen.title, "files": [str(file) for file in files]})
+    else:
+        print(_text(chosen, found))
+    for file in files:
+        remark(f"written: {file}")
+
+
+def _text(scenario: Scenario, found: Bounds) -> str:
+    rows = [("", "no less than", "done in", "gap %", "unit")]
+    for label, bracket, unit in (
+        ("capture", found.capture, "s"),
+        ("translation alone", found.translation, "s"),
+        ("attitude alone", found.attitude, "s"),
+        (f"Δv within {found.within:g} s", found.delta_v, "m/s"),
+    ):
+        gap = 100.0 * (bracket.upper / bracket.lower - 1.0) if bracket.lower > 0.0 else None
+        decimals = 5 if unit == "m/s" else 3
+        rows.append((label, fixed(bracket.lower, decimals), fixed(bracket.upper, decimals), fixed(gap, 2), unit))
+    rows.append(("detumbling", fixed(found.detumble.lower, 3), "–", "–", "s"))
+    rows.append(("detumbling after a perfect match", fixed(found.detumble.matched, 3), "–", "–", "s"))
+    notes = (
+        "No controller does it in less, with or without noise; the other column is done by a trajectory found.",
+        "Capture is judged at control ticks, its two halves at any time. A dash: not within the flight.",
+    )
+    return "\n".join([scenario.title, "", table(rows), "", *notes])
+
+
+def _write(scenario: Scenario, found: Bounds, out: Path) -> list[Path]:
+    from detumble.show.bound import bound_figure
+    from detumble.writing import write_text
+
+    files = [out / "bound.json", out / "scenario.toml"]
+    write_text(files[0], json_text(found.to_json()) + "\n")
+    write_text(files[1], scenario.to_toml())
+    capture = found.capture
+    for name, transfer in (("translation", capture.transfer), ("least_delta_v", found.delta_v.transfer)):
+        if transfer is not None:
+            columns = {"position_m": transfer.states[:, :3], "velocity_m_s": transfer.states[:, 3:]}
+            files.append(
+                _table(out / f"{name}.csv", transfer.times, columns, "acceleration_m_s2", transfer.acceleration)
+            )
+    if capture.slew is not None:
+        slew = capture.slew
+        turn = {"attitude": slew.attitude, "rate_rad_s": slew.rate}
+        files.append(_table(out / "attitude.csv", slew.times, turn, "torque_n_m", slew.torque))
+    if capture.transfer is not None:
+        files += bound_figure(scenario.title, capture, out / "bound.png")
+    return files
+
+
+def _table(path: Path, times: Array, states: dict[str, Array], held: str, control: Array) -> Path:
+    """Write a trajectory: a row for each time, the control from then on; none at the last."""
+    import numpy as np
+    import polars as pl
+
+    from detumble.writing import write_text
+
+    columns = {"time_s": times}
+    for name, values in (states | {held: np.vstack((control, np.full((1, 3), np.nan)))}).items():
+        axes = "xyz" if values.shape[1] == 3 else "wxyz"
+        columns |= {f"{name}.{axis}": values[:, number] for number, axis in enumerate(axes)}
+    write_text(path, pl.DataFrame(columns).fill_nan(None).write_csv())
+    return path

@@ -1,0 +1,146 @@
+"""`python -m study`: everything in docs/study made anew. `make study` runs it."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+import detumble
+from detumble.analysis.comparing.comparer import compare
+from detumble.analysis.comparing.entries import Entry
+from detumble.analysis.comparing.plan import Plan
+from detumble.commands.compare import Stages
+from detumble.commands.printing import json_text
+from detumble.scenario.files import load
+from detumble.scenario.laws import LAWS
+from detumble.writing import output_folder, write_text
+from study import alpha, fronts, handover, maps, reach, surfaces
+from study.cases import CASES, Case
+from study.claims import Numbers
+from study.page import filled
+
+PAGE = Path("docs/study")
+WORK = Path("results/study")
+SHOWN = ("capture_time_s", "settling_time_s", "delta_v_to_capture_m_s", "torque_impulse_n_m_s")
+
+
+@dataclass(frozen=True)
+class Size:
+    """How much is flown."""
+
+    budget: int = 1000
+    starts: int = 256
+    tunings: int = 3
+    runs: int = 100_000
+    robust: int = 10_000
+    front: int = 1000
+    front_starts: int = 64
+    alpha: int = 300
+    alpha_runs: int = 20_000
+    handover: int = 5000
+    cells: int = 14
+    cell_runs: int = 200
+
+
+SMALL = Size(30, 8, 2, 200, 50, 30, 8, 20, 200, 50, 3, 20)
+"""To see that everything runs; its numbers mean nothing."""
+
+
+def main() -> None:
+    """Fly, draw, write."""
+    arguments = argparse.ArgumentParser(prog="python -m study", description=__doc__)
+    arguments.add_argument("--small", action="store_true", help="see that everything runs; the numbers mean nothing")
+    arguments.add_argument("--page", type=Path, default=PAGE, help="folder of the page")
+    arguments.add_argument(
+        "--work", type=Path, default=WORK, help="folder of the comparisons; those in it are gone on with"
+    )
+    given = arguments.parse_args()
+    with output_folder(given.page), output_folder(given.work):
+        numbers = made(SMALL if given.small else Size(), given.page, given.work)
+        write_text(given.page / "numbers.json", json_text(numbers) + "\n")
+        page = given.page / "README.md"
+        if page.exists():
+            write_text(page, filled(page.read_text("utf-8"), numbers))
+    print(f"written: {given.page}")
+
+
+def made(size: Size, page: Path, work: Path) -> Numbers:
+    """Do all parts, each with its figures.
+
+    Args:
+        size: of everything.
+        page: folder of the figures.
+        work: folder of the comparisons.
+
+    Returns:
+        What the page's tables are made of.
+    """
+    numbers: Numbers = {"about": {"version": detumble.__version__, "processors": os.cpu_count(), "seconds": {}}}
+    with _part(numbers, "compare") as found:
+        found |= {case.key: _compared(case, size, page, work / case.key) for case in CASES}
+    with _part(numbers, "given") as found:
+        found |= {law: _as_given(law) for law in LAWS}
+    with _part(numbers, "alpha") as found:
+        for case in CASES[:2]:
+            found[case.key] = alpha.fly(case.scenario, size.alpha, size.starts, size.alpha_runs)
+            alpha.draw(found[case.key], f"PRRL-SMC, {case.title}", page / f"alpha-{case.key}.png")
+    with _part(numbers, "fronts") as found:
+        found |= {case.key: fronts.search(case.scenario, size.front, size.front_starts) for case in CASES}
+        fronts.draw(found, [case.title for case in CASES], page / "fronts.png")
+    tuned = {law: load(work / "dispersed" / "tuned" / f"{Entry.of(law, 'printed').file}.toml") for law in LAWS}
+    with _part(numbers, "maps") as found:
+        distances, rates = np.geomspace(0.6, 30.0, size.cells), np.radians(np.geomspace(0.5, 60.0, size.cells))
+        found |= maps.fly(tuned, distances, rates, size.cell_runs)
+        maps.draw(found, distances, rates, page / "maps.png")
+    with _part(numbers, "reach") as found:
+        found |= reach.fly()
+        reach.draw(found, page / "reach.png")
+    with _part(numbers, "surfaces") as found:
+        found |= surfaces.fly()
+        surfaces.draw(found, page / "surfaces.png")
+    with _part(numbers, "handover") as found:
+        given = dict.fromkeys(LAWS, CASES[1].scenario)
+        found |= {name: handover.fly(gains, size.handover) for name, gains in (("given", given), ("tuned", tuned))}
+    return numbers
+
+
+@contextmanager
+def _part(numbers: Numbers, name: str) -> Iterator[Numbers]:
+    """Give a table for the numbers of a part, and note how long it took."""
+    print(f"{name} …", flush=True)
+    began = time.perf_counter()
+    numbers[name] = {}
+    yield numbers[name]
+    numbers["about"]["seconds"][name] = time.perf_counter() - began
+
+
+def _compared(case: Case, size: Size, page: Path, work: Path) -> Numbers:
+    """Compare all laws; figures and tuned scenarios go to the page, what its tables need into the numbers."""
+    plan = Plan(budget=size.budget, starts=size.starts, tunings=size.tunings, runs=size.runs, robust=size.robust)
+    with Stages(work) as stages:
+        result = compare(case.scenario, plan=plan, out=work, resume=work.exists(), watcher=stages)
+    if result.broken:
+        raise SystemExit("\n".join(result.broken))
+    for figure in result.figures(work / "figures"):
+        shutil.copyfile(figure, page / f"{figure.stem}-{case.key}{figure.suffix}")
+    shutil.copytree(work / "tuned", page / "tuned" / case.key, dirs_exist_ok=True)
+    whole = result.to_json()
+    entries = [{name: value for name, value in entry.items() if name != "robustness"} for entry in whole.pop("entries")]
+    return {name: value for name, value in whole.items() if name != "pairs"} | {"entries": entries}
+
+
+def _as_given(law: str) -> Numbers:
+    """Fly the paper's case with its own gains."""
+    return {name: value for name, value in detumble.simulate("paper", law).metrics.to_json().items() if name in SHOWN}
+
+
+if __name__ == "__main__":
+    main()

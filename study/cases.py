@@ -1,0 +1,82 @@
+"""The scenarios of the study: all with the paper's bodies, limits and noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import detumble
+from detumble.scenario import Scenario
+from detumble.scenario.faults import validated
+from detumble.scenario.files import with_settings
+
+PUBLISHED_TIME = 7.6
+"""s, the paper's capture time of PRRL-SMC."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scenario in which all laws are compared.
+
+    Attributes:
+        key: names its results and figures.
+        title: for figures and tables.
+        base: built-in scenario.
+        settings: what differs from it, as on the command line.
+    """
+
+    key: str
+    title: str
+    base: str
+    settings: tuple[str, ...] = ()
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario."""
+        return with_settings(detumble.load(self.base), self.settings)
+
+    @property
+    def arguments(self) -> str:
+        """How a command line names it."""
+        return " ".join((self.base, *(f"--set {setting}" for setting in self.settings)))
+
+
+CASES = (
+    Case("paper", "the paper's case", "paper"),
+    Case("dispersed", "dispersed", "paper_dispersed"),
+    Case(
+        "soft",
+        "dispersed, soft capture",
+        "paper_dispersed",
+        ("capture.speed=0.03", "capture.transition=momentum_conserving"),
+    ),
+)
+"""The paper's single start; everything uncertain; and the same with what a gripper asks for: at most 3 cm/s, momentum kept."""
+
+
+def on_spheres(distance: float, tumble_rate: float) -> Scenario:
+    """Start anywhere at one distance, at rest, any attitudes, against debris that tumbles about any axis.
+
+    Args:
+        distance: from the goal, which is the debris' centre here, m.
+        tumble_rate: rad/s.
+
+    Returns:
+        The paper's case otherwise, its noise included.
+    """
+    raw = detumble.load("paper").to_dict()
+    raw["title"] = f"The paper's bodies from {distance:g} m, tumble {tumble_rate:g} rad/s"
+    raw["goal"]["position"] = [0.0, 0.0, 0.0]
+    raw["chaser"]["position"] = [distance, 0.0, 0.0]
+    raw["debris"]["tumble_rate"] = [tumble_rate, 0.0, 0.0]
+    raw["dispersions"] = [
+        {"field": "chaser.position", "distribution": "direction"},
+        {"field": "chaser.attitude", "distribution": "attitude"},
+        {"field": "debris.attitude", "distribution": "attitude"},
+        {"field": "debris.tumble_rate", "distribution": "direction"},
+    ]
+    return validated(raw, raw["title"])
+
+
+def with_laws_of(scenario: Scenario, tuned: Scenario) -> Scenario:
+    """Give a scenario the laws of another."""
+    return scenario.model_copy(update={"laws": tuned.laws}, deep=True)
