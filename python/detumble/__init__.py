@@ -15,6 +15,7 @@ TYPE_CHECKING = False  # as type checkers know it; importing it from typing woul
 if TYPE_CHECKING:
     from typing import Any
 
+    from detumble.analysis.bounds.bound import Bounds, bound
     from detumble.analysis.comparing.comparer import compare
     from detumble.analysis.tuning.tuner import tune
     from detumble.campaigns.campaign import campaign
@@ -27,12 +28,14 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
+    "Bounds": ("detumble.analysis.bounds.bound", "Bounds"),
     "LAWS": ("detumble.scenario.laws", "LAWS"),
     "CampaignResult": ("detumble.campaigns.result", "CampaignResult"),
     "Flight": ("detumble.flight", "Flight"),
     "RequestError": ("detumble.errors", "RequestError"),
     "Scenario": ("detumble.scenario.model", "Scenario"),
     "ScenarioError": ("detumble.errors", "ScenarioError"),
+    "bound": ("detumble.analysis.bounds.bound", "bound"),
     "campaign": ("detumble.campaigns.campaign", "campaign"),
     "compare": ("detumble.analysis.comparing.comparer", "compare"),
     "read_campaign": ("detumble.campaigns.result", "read_campaign"),
@@ -45,12 +48,14 @@ _HOMES = {
 
 __all__ = [
     "LAWS",
+    "Bounds",
     "CampaignResult",
     "Flight",
     "RequestError",
     "Scenario",
     "ScenarioError",
     "__version__",
+    "bound",
     "campaign",
     "compare",
     "load",

@@ -10,14 +10,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import binom
 
 import detumble
 from detumble.analysis.bounds import runs as bounds_of_runs
 from detumble.analysis.bounds.earliest import minimum_capture_time
 from detumble.analysis.bounds.runs import capture_bounds, delta_v_bounds, settling_bounds
 from detumble.analysis.comparing import Comparison, Entry, Plan, compare, comparer
+from detumble.analysis.comparing.judge import Verdict, fly
+from detumble.analysis.comparing.ranking import Score
+from detumble.analysis.comparing.result import OBJECTIVES, Judged, pairs_of
 from detumble.analysis.comparing.robustness import sweeps_of
 from detumble.analysis.trials import Trials
+from detumble.analysis.tuning import Objective
+from detumble.analysis.tuning.objective import What
 from detumble.campaigns.draws import drawn_scenario
 from detumble.cli import main
 from detumble.errors import RequestError
@@ -63,6 +69,16 @@ def test_one_law_under_two_names_ties_to_the_bit(small: Comparison) -> None:
     assert set(small.pair(0, 1).adjusted.values()) == {1.0}
     assert small.ranking.ranks[0] == small.ranking.ranks[1]
     assert set(small.ranking.letters[0]) & set(small.ranking.letters[1])
+
+
+def test_one_law_under_independent_noise_ties_as_a_rule() -> None:
+    paper, entry, mistaken = detumble.load("paper"), TWINS[0], 0
+    for repetition in range(30):
+        flown = [fly(paper, "prrl", 2 * repetition + place, 150) for place in range(2)]
+        twins = [Judged(entry, (), 0, runs, Verdict.of(runs), Score(False, 0.0)) for runs in flown]
+        assert not np.array_equal(flown[0]["delta_v"], flown[1]["delta_v"])
+        mistaken += any(p < 0.05 for p in pairs_of(twins)[0].adjusted.values())
+    assert mistaken <= binom.ppf(0.999, 30, 0.05)
 
 
 def test_everybody_is_given_the_same(small: Comparison) -> None:
@@ -133,6 +149,17 @@ def test_no_run_beats_a_bound(as_given: Comparison) -> None:
             known = ratio.values[~np.isnan(ratio.values)]
             assert len(known), (judged.entry.name, name)
             assert known.min() >= 1.0 - 1e-9, (judged.entry.name, name)
+
+
+@pytest.mark.parametrize("what", ["settling", "delta_v", "delta_v_total"])
+def test_order_follows_the_objective(what: What, scenario: Scenario) -> None:
+    entries = (Entry("quick", "prrl", "printed"), Entry("frugal", "tsmc", "printed"))
+    result = compare(scenario, entries, Plan(Objective(what, required=0.5), as_given=True, runs=60, robust=0))
+    expected = [1, 2] if what == "settling" else [2, 1]
+    assert list(result.ranking.ranks) == expected
+    first, second = (result.entries[place] for place in result.ordered)
+    assert first.score < second.score
+    assert result.pair(0, 1).better(result.ordered[0], OBJECTIVES[what])
 
 
 def test_failed_runs_count_as_never(as_given: Comparison) -> None:

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from detumble.commands.arguments import folder
+from detumble.commands.bounds_of_runs import bounds_of_runs, summary, text_of_runs, write_runs
 from detumble.commands.printing import fixed, json_text, print_json, remark, table
+from detumble.errors import RequestError
 
 if TYPE_CHECKING:
     from detumble.analysis.bounds.bound import Bounds
@@ -22,6 +24,11 @@ def bound(
     within: Annotated[
         float | None, typer.Option(metavar="SECONDS", help="Least Δv to capture within this time.  [the duration]")
     ] = None,
+    runs: Annotated[int, typer.Option(help="Bound so many runs of the campaign instead, about two seconds each.")] = 0,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="With --runs: the lower bound of the capture time alone, milliseconds each.")
+    ] = False,
+    seed: Annotated[int, typer.Option(help="Seed of the campaign.")] = 0,
     settings: Annotated[
         list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
     ] = None,
@@ -38,13 +45,23 @@ def bound(
     chosen = load(scenario)
     if settings or more:
         chosen = with_settings(chosen, [*(settings or ()), *(more or ())], scenario)
+    if (quick or seed) and not runs:
+        raise RequestError("--quick and --seed: need --runs, the number of runs of the campaign")
     with output_folder(out):
-        found = bounds_of(chosen, within)
-        files = _write(chosen, found, out) if out else []
+        if runs:
+            values = bounds_of_runs(chosen, runs, seed, within, quick)
+            files = write_runs(chosen, values, out) if out else []
+            result, text = summary(values) | {"runs": runs, "seed": seed}, text_of_runs(chosen, values, seed)
+        else:
+            found = bounds_of(chosen, within)
+            files = _write(chosen, found, out) if out else []
+            result, text = found.to_json(), _text(chosen, found)
+            if chosen.dispersions:
+                remark(f"nominal values bounded: --runs takes the {len(chosen.dispersions)} dispersions into account")
     if as_json:
-        print_json(found.to_json() | {"scenario": chosen.title, "files": [str(file) for file in files]})
+        print_json(result | {"scenario": chosen.title, "files": [str(file) for file in files]})
     else:
-        print(_text(chosen, found))
+        print(text)
     for file in files:
         remark(f"written: {file}")
 

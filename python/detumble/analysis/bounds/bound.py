@@ -32,12 +32,23 @@ from detumble.analysis.bounds.tumble import Array, conjugate, multiply, rotate, 
 from detumble.errors import RequestError
 from detumble.scenario.core import case as core_case
 from detumble.scenario.core import ticks
+from detumble.scenario.files import load
+from detumble.scenario.model import Scenario
 
 if TYPE_CHECKING:
-    from detumble.scenario.model import Scenario
+    import os
 
 ATTEMPTS = 12
 """Ticks tried for the soonest capture that is flown."""
+
+
+BRACKETED = ("capture_time_s", "translation_s", "attitude_s", "delta_v_m_s")
+ENDS = (
+    *(f"{quantity}.{end}" for quantity in BRACKETED for end in ("lower", "upper")),
+    "detumble_s.lower",
+    "detumble_s.matched",
+)
+"""Names of all that is bounded, with units."""
 
 
 @dataclass(frozen=True)
@@ -77,42 +88,41 @@ class Bounds:
     within: float
     detumble: Detumbling
 
+    def ends(self) -> dict[str, float]:
+        """Give lower and upper values by name, as `ENDS` lists them."""
+        brackets = (self.capture, self.translation, self.attitude, self.delta_v)
+        values = [end for bracket in brackets for end in (bracket.lower, bracket.upper)]
+        return dict(zip(ENDS, (*values, self.detumble.lower, self.detumble.matched), strict=True))
+
     def to_json(self) -> dict[str, Any]:
         """Give lower and upper values as JSON takes them."""
-
-        def ends(bracket: Rendezvous | Bracket | AttitudeBound) -> dict[str, float]:
-            return {"lower": bracket.lower, "upper": bracket.upper}
-
-        return {
-            "capture_time_s": ends(self.capture),
-            "translation_s": ends(self.translation),
-            "attitude_s": ends(self.attitude),
-            "delta_v_m_s": ends(self.delta_v) | {"within_s": self.within},
-            "detumble_s": {"lower": self.detumble.lower, "matched": self.detumble.matched},
-        }
+        tables: dict[str, dict[str, float]] = {}
+        for name, value in self.ends().items():
+            quantity, _, end = name.partition(".")
+            tables.setdefault(quantity, {})[end] = value
+        tables["delta_v_m_s"]["within_s"] = self.within
+        return tables
 
 
-def bound(scenario: Scenario, within: float | None = None) -> Bounds:
+def bound(scenario: Scenario | str | os.PathLike[str], within: float | None = None) -> Bounds:
     """Bound what any controller can do from a scenario's nominal start.
 
     Args:
-        scenario: limits, bodies, thresholds and start; no law and no noise come into it.
+        scenario: a scenario, or what `load` takes; no law and no noise come into it.
         within: s, by when the Δv is asked for; None is the duration.
 
     Raises:
         ScenarioError: the scenario contradicts itself.
         RequestError: `within` is no time of the flight, or CasADi is not installed.
     """
+    scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
     return bound_of(core_case(scenario, "none"), within)
 
 
 def bound_of(case: Mapping[str, Any], within: float | None = None) -> Bounds:
     """Bound what any controller can do in a plain case, as `scenario.core.case` gives it; otherwise as `bound`."""
     pursuit, start = Pursuit.of(case), start_of(case)
-    duration = pursuit.periods * pursuit.period
-    if within is not None and not 0.0 < within <= duration * (1.0 + 1e-12):
-        raise RequestError(f"within {within!r} s: must be greater than 0 and at most the duration, {duration:.10g} s")
-    until = duration if within is None else min(within, duration)
+    until = time_within(pursuit, within)
     translation, attitude = translation_bound(pursuit, start), attitude_bound(pursuit, start)
     capture = _capture(pursuit, start, translation, attitude)
     return Bounds(
@@ -123,6 +133,18 @@ def bound_of(case: Mapping[str, Any], within: float | None = None) -> Bounds:
         within=until,
         detumble=detumble_bound(case, 0.0 if math.isinf(capture.lower) else capture.lower),
     )
+
+
+def time_within(pursuit: Pursuit, within: float | None) -> float:
+    """Give the time, s, by when a Δv is asked for: the duration, unless another one is given.
+
+    Raises:
+        RequestError: it is no time of the flight.
+    """
+    duration = pursuit.periods * pursuit.period
+    if within is not None and not 0.0 < within <= duration * (1.0 + 1e-12):
+        raise RequestError(f"within {within!r} s: must be greater than 0 and at most the duration, {duration:.10g} s")
+    return duration if within is None else min(within, duration)
 
 
 def _capture(pursuit: Pursuit, start: Array, translation: Bracket, attitude: AttitudeBound) -> Rendezvous:

@@ -138,10 +138,8 @@ class _Proof:
         proved = np.flatnonzero(~open_cells)
         first = int(proved[proved < cell].max(initial=-1)) + 1
         end = int(proved[proved > cell].min(initial=len(open_cells)))
-        if end - first > LONG:
-            nodes = [(first + end) // 2]
-        else:
-            nodes = [end, first] if first == 0 else [first, end]
+        outer = [end, first] if first == 0 else [first, end]
+        nodes = [(first + end) // 2] if end - first > LONG else outer
         return [float(self.course.times[node]) for node in (*nodes, cell + 1, cell)]
 
     def _interpolate(self, time: float) -> None:

@@ -19,6 +19,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from detumble.analysis.bounds import shooting
+from detumble.analysis.bounds.bound import ENDS, bound_of
 from detumble.analysis.bounds.detumbling import detumble_lower, largest_moment
 from detumble.analysis.bounds.earliest import minimum_capture_times
 from detumble.analysis.bounds.fuel import delta_v_lower
@@ -45,7 +47,7 @@ CHASE = (
 """Beginnings of the paths of the core that matter until capture: not sensors, beliefs, gains, or the target's mass."""
 STACK = (*CHASE, "debris.mass", "settled.")
 """And after it."""
-DEALT = {"capture": 64, "delta_v": 4}
+DEALT = {"capture": 64, "delta_v": 4, "all": 1}
 """Runs dealt out at a time, some tenths of a second of work."""
 FEW = 16
 """Up to so many times that, runs are sooner bounded here than processes have started."""
@@ -68,7 +70,7 @@ def capture_bounds(
     Raises:
         ScenarioError: the scenario cannot be flown.
     """
-    return _asked("capture", trials, np.empty((trials.count, 0)), processes, progress)
+    return _asked("capture", trials, np.empty((trials.count, 0)), processes, progress)[:, 0]
 
 
 def delta_v_bounds(
@@ -98,6 +100,33 @@ def delta_v_bounds(
     return of_runs
 
 
+def all_bounds(
+    trials: Trials,
+    within: float,
+    *,
+    processes: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> dict[str, Array]:
+    """Bound everything that `analysis.bounds.bound` bounds, from both sides, run by run: about a second each.
+
+    Args:
+        trials: the runs.
+        within: s, by when the Δv is asked for.
+        processes: as for `capture_bounds`.
+        progress: likewise.
+
+    Returns:
+        (runs,) by name: `capture_time_s.lower`, `capture_time_s.upper`, …; inf where there is none within the flight.
+
+    Raises:
+        ScenarioError: the scenario cannot be flown.
+        RequestError: CasADi is not installed.
+    """
+    shooting.casadi()  # say so here, not in a worker
+    found = _asked("all", trials, np.full((trials.count, 1), within), processes, progress, STACK)
+    return dict(zip(ENDS, found.T, strict=True))
+
+
 def settling_bounds(trials: Trials, momentum: Array) -> Array:
     """Bound the time from capture to settled from below, run by run (`analysis.bounds.detumbling`).
 
@@ -123,10 +152,15 @@ def settling_bounds(trials: Trials, momentum: Array) -> Array:
 
 
 def _asked(
-    question: str, trials: Trials, further: Array, processes: int | None, progress: Callable[[int], None] | None
+    question: str,
+    trials: Trials,
+    further: Array,
+    processes: int | None,
+    progress: Callable[[int], None] | None,
+    matters: tuple[str, ...] = CHASE,
 ) -> Array:
-    """Put a question to each run, with further numbers (k runs, m): k times to run 0, 1, …, and so on."""
-    nominal, columns = trials.nominal("none"), _columns(trials, CHASE)
+    """Put a question to each run, with further numbers (k runs, m): k times to run 0, 1, …; a row of answers for each."""
+    nominal, columns = trials.nominal("none"), _columns(trials, matters)
     widths = {path: values.shape[1] for path, values in columns.items()}
     fields = np.hstack([*columns.values(), np.empty((trials.count, 0))])
     table = np.hstack([np.tile(fields, (len(further) // trials.count, 1)), further])
@@ -134,15 +168,15 @@ def _asked(
     dealt = DEALT[question]
     chunks = [slice(first, min(first + dealt, len(rows))) for first in range(0, len(rows), dealt)]
     workers = 1 if len(chunks) <= FEW else min(processes or available_threads(), len(chunks))
-    bounds = np.full(len(rows), np.nan)
+    answers: list[Array] = []
     done = 0
     with _Crew(_Job(question, nominal, widths), workers) as crew:
         for chunk, found in zip(chunks, crew.map([rows[chunk] for chunk in chunks]), strict=True):
-            bounds[chunk] = found
+            answers.append(found)
             done += int(sizes[chunk].sum())
             if progress:
                 progress(done)
-    of_runs: Array = bounds[members.reshape(-1)]
+    of_runs: Array = np.concatenate(answers)[members.reshape(-1)]
     return of_runs
 
 
@@ -165,7 +199,7 @@ class _Job:
     """A question, and the case of which each row changes some numbers.
 
     Attributes:
-        question: `capture`, or `delta_v`, whose rows end with the time by which.
+        question: `capture`; or `delta_v` or `all`, whose rows end with the time by which.
         nominal: the core's case.
         widths: numbers in a row for each path, in order.
     """
@@ -180,11 +214,15 @@ class _Job:
         columns = dict(zip(self.widths, parts, strict=False))
         return np.array([self._answer(_case(self.nominal, columns, index), rows[index]) for index in range(len(rows))])
 
-    def _answer(self, case: Mapping[str, Any], row: Array) -> float:
-        pursuit, start = Pursuit.of(case), start_of(case)
-        if self.question == "capture":
-            return float(minimum_capture_times(pursuit, start[None])[0])
-        return math.nan if math.isnan(row[-1]) else delta_v_lower(pursuit, start, float(row[-1]))
+    def _answer(self, plain: Mapping[str, Any], row: Array) -> list[float]:
+        pursuit, start = Pursuit.of(plain), start_of(plain)
+        match self.question:
+            case "capture":
+                return [float(minimum_capture_times(pursuit, start[None])[0])]
+            case "delta_v":
+                return [math.nan if math.isnan(row[-1]) else delta_v_lower(pursuit, start, float(row[-1]))]
+            case _:
+                return list(bound_of(plain, float(row[-1])).ends().values())
 
 
 class _Crew:
