@@ -17,6 +17,7 @@ import detumble
 from detumble.analysis.comparing.comparer import compare
 from detumble.analysis.comparing.entries import Entry
 from detumble.analysis.comparing.plan import Plan
+from detumble.analysis.tuning.objective import Objective
 from detumble.commands.compare import Stages
 from detumble.commands.printing import json_text
 from detumble.scenario.files import load
@@ -124,7 +125,14 @@ def _part(numbers: Numbers, name: str) -> Iterator[Numbers]:
 
 def _compared(case: Case, size: Size, page: Path, work: Path) -> Numbers:
     """Compare all laws; figures and tuned scenarios go to the page, what its tables need into the numbers."""
-    plan = Plan(budget=size.budget, starts=size.starts, tunings=size.tunings, runs=size.runs, robust=size.robust)
+    plan = Plan(
+        objective=Objective(case.objective),
+        budget=size.budget,
+        starts=size.starts,
+        tunings=size.tunings,
+        runs=size.runs,
+        robust=size.robust,
+    )
     with Stages(work) as stages:
         result = compare(case.scenario, plan=plan, out=work, resume=work.exists(), watcher=stages)
     if result.broken:

@@ -69,7 +69,7 @@ def _where(held: dict[str, bool], yes: str, no: str) -> str:
 
 
 def _objectives(comparison: Numbers) -> str:
-    """Mean capture times of the printed entries; of those that succeed too seldom, that."""
+    """What the printed entries were tuned for, in the mean of held-out runs; of those that succeed too seldom, that."""
 
     def worded(entry: Numbers) -> str:
         if entry["short_of_required"]:

@@ -47,7 +47,7 @@ def _comparison(key: str, numbers: Numbers) -> str:
         "success %",
         "median s",
         "95 % s",
-        "mean s",
+        "objective s",
         "× bound",
         "Δv m/s",
         "Δv × bound",
