@@ -11,8 +11,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 import detumble
 from detumble.analysis.comparing.comparer import compare
 from detumble.analysis.comparing.entries import Entry
@@ -47,11 +45,13 @@ class Size:
     alpha: int = 300
     alpha_runs: int = 20_000
     handover: int = 5000
+    field: int = 500
+    field_starts: int = 128
     cells: int = 14
     cell_runs: int = 200
 
 
-SMALL = Size(30, 8, 2, 200, 50, 30, 8, 20, 200, 50, 3, 20)
+SMALL = Size(30, 8, 2, 200, 50, 30, 8, 20, 200, 50, 30, 16, 3, 20)
 """To see that everything runs; its numbers mean nothing."""
 
 
@@ -94,13 +94,13 @@ def made(size: Size, page: Path, work: Path) -> Numbers:
             found[case.key] = alpha.fly(case.scenario, size.alpha, size.starts, size.alpha_runs)
             alpha.draw(found[case.key], f"PRRL-SMC, {case.title}", page / f"alpha-{case.key}.png")
     with _part(numbers, "fronts") as found:
-        found |= {case.key: fronts.search(case.scenario, size.front, size.front_starts) for case in CASES}
-        fronts.draw(found, [case.title for case in CASES], page / "fronts.png")
+        found |= {case.key: fronts.search(case, size.front, size.front_starts) for case in CASES}
+        fronts.draw(found, CASES, page / "fronts.png")
     tuned = {law: load(work / "dispersed" / "tuned" / f"{Entry.of(law, 'printed').file}.toml") for law in LAWS}
     with _part(numbers, "maps") as found:
-        distances, rates = np.geomspace(0.6, 30.0, size.cells), np.radians(np.geomspace(0.5, 60.0, size.cells))
-        found |= maps.fly(tuned, distances, rates, size.cell_runs)
-        maps.draw(found, distances, rates, page / "maps.png")
+        for form in fronts.FORMS:
+            found[form] = maps.fly(maps.tuned(form, size.field, size.field_starts), size.cells, size.cell_runs)
+            maps.draw(found[form], f"{form} forms", page / f"maps-{form}.png")
     with _part(numbers, "reach") as found:
         found |= reach.fly()
         reach.draw(found, page / "reach.png")

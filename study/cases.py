@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import detumble
-from detumble.analysis.tuning.objective import What
 from detumble.scenario import Scenario
 from detumble.scenario.faults import validated
 from detumble.scenario.files import with_settings
@@ -30,7 +30,7 @@ class Case:
     title: str
     base: str
     settings: tuple[str, ...] = ()
-    objective: What = "capture"
+    objective: Literal["capture", "settling"] = "capture"
 
     @property
     def scenario(self) -> Scenario:
@@ -59,28 +59,35 @@ CASES = (
 3 cm/s, momentum kept at capture, and judged by the time until the stack is at rest."""
 
 
-def on_spheres(distance: float, tumble_rate: float) -> Scenario:
-    """Start anywhere at one distance, at rest, any attitudes, against debris that tumbles about any axis.
+def on_spheres(distance: tuple[float, float], tumble_rate: tuple[float, float]) -> Scenario:
+    """Start anywhere at some distance, at rest, any attitudes, against debris that tumbles about any axis.
 
     Args:
-        distance: from the goal, which is the debris' centre here, m.
-        tumble_rate: rad/s.
+        distance: least and greatest, from the goal, which is the debris' centre here, m; log-uniform.
+        tumble_rate: least and greatest, rad/s; log-uniform.
 
     Returns:
         The paper's case otherwise, its noise included.
     """
     raw = detumble.load("paper").to_dict()
-    raw["title"] = f"The paper's bodies from {distance:g} m, tumble {tumble_rate:g} rad/s"
+    raw["title"] = "The paper's bodies from anywhere"
     raw["goal"]["position"] = [0.0, 0.0, 0.0]
-    raw["chaser"]["position"] = [distance, 0.0, 0.0]
-    raw["debris"]["tumble_rate"] = [tumble_rate, 0.0, 0.0]
+    raw["chaser"]["position"] = [distance[1], 0.0, 0.0]
+    raw["debris"]["tumble_rate"] = [tumble_rate[1], 0.0, 0.0]
     raw["dispersions"] = [
-        {"field": "chaser.position", "distribution": "direction"},
+        {"field": "chaser.position", **_any_direction(distance)},
         {"field": "chaser.attitude", "distribution": "attitude"},
         {"field": "debris.attitude", "distribution": "attitude"},
-        {"field": "debris.tumble_rate", "distribution": "direction"},
+        {"field": "debris.tumble_rate", **_any_direction(tumble_rate)},
     ]
     return validated(raw, raw["title"])
+
+
+def _any_direction(length: tuple[float, float]) -> dict[str, str | float]:
+    low, high = length
+    if low == high:  # the nominal one
+        return {"distribution": "direction"}
+    return {"distribution": "direction", "low": low, "high": high, "magnitude": "log_uniform"}
 
 
 def with_laws_of(scenario: Scenario, tuned: Scenario) -> Scenario:

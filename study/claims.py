@@ -65,7 +65,7 @@ def _where(held: dict[str, bool], yes: str, no: str) -> str:
     places = [case.title for case in CASES if held[case.key]]
     if len(places) == len(held):
         return yes
-    return f"{no} but in: {'; '.join(places)}" if places else no
+    return f"{no}, except: {'; '.join(places)}" if places else no
 
 
 def _objectives(comparison: Numbers) -> str:

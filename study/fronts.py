@@ -8,34 +8,36 @@ from pathlib import Path
 from typing import Any
 
 from detumble.analysis.tuning.pareto import pareto_front
-from detumble.scenario import Scenario
 from detumble.scenario.laws import LAWS, Form
 from detumble.show.style import look, new_figure, save, styled
 from study.axes import plain_log
+from study.cases import Case
 
 SEED = 0
+LABELS = {"capture": "mean capture time [s]", "settling": "mean time until settled [s]"}
 FORMS: tuple[Form, ...] = ("printed", "corrected")
 
 
-def search(scenario: Scenario, budget: int, starts: int) -> dict[str, Any]:
-    """Find each law's front in both forms: mean capture time, s, and mean Δv to capture, m/s, fastest first."""
-    return {form: {law: _front(scenario, law, form, budget, starts) for law in LAWS} for form in FORMS}
+def search(case: Case, budget: int, starts: int) -> dict[str, Any]:
+    """Find each law's front in both forms: the case's time in the mean, s, and mean Δv to capture, m/s, fastest first."""
+    return {form: {law: _front(case, law, form, budget, starts) for law in LAWS} for form in FORMS}
 
 
-def _front(scenario: Scenario, law: str, form: Form, budget: int, starts: int) -> dict[str, Any]:
-    front = pareto_front(scenario, law, budget=budget, starts=starts, seed=SEED, form=form)
+def _front(case: Case, law: str, form: Form, budget: int, starts: int) -> dict[str, Any]:
+    front = pareto_front(case.scenario, law, what=case.objective, budget=budget, starts=starts, seed=SEED, form=form)
     return {
         "time_s": [point.time for point in front.points],
         "delta_v_m_s": [point.delta_v for point in front.points],
     }
 
 
-def draw(found: Mapping[str, Mapping[str, Any]], titles: Sequence[str], path: Path) -> list[Path]:
+def draw(found: Mapping[str, Mapping[str, Any]], cases: Sequence[Case], path: Path) -> list[Path]:
     """Draw the fronts, a panel for each scenario."""
     with styled():
         figure = new_figure(3.6 * len(found), 4.2)
         panels = figure.subplots(1, len(found), squeeze=False)[0]
-        for axes, title, fronts in zip(panels, titles, found.values(), strict=True):
+        for axes, case in zip(panels, cases, strict=True):
+            fronts = found[case.key]
             for form, law in product(FORMS, LAWS):
                 style, front = look(law), fronts[form][law]
                 axes.plot(
@@ -51,7 +53,7 @@ def draw(found: Mapping[str, Mapping[str, Any]], titles: Sequence[str], path: Pa
                     drawstyle="steps-post",
                 )
             plain_log(axes)
-            axes.set(title=title, xlabel="mean capture time [s]")
+            axes.set(title=case.title, xlabel=LABELS[case.objective])
             axes.margins(x=0.04)
         panels[0].set_ylabel("mean Δv to capture [m/s]")
         figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=5)

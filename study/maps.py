@@ -1,83 +1,92 @@
-"""Where each law captures: success and time over distance × tumble rate, with the gains tuned on the dispersed case.
+"""Where each law captures: success and time over distance × tumble rate, with gains tuned on that whole field.
 
-In each cell the same 200 starts for every law: any direction at that distance, at rest, any attitudes, any axis of tumble.
+Each law is tuned for the mean capture time over starts at any distance and tumble of the map, failures counting as the horizon;
+then, in each cell, the same starts for every law: any direction at that distance, at rest, any attitudes, any axis of tumble.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from detumble.analysis.bounds.earliest import minimum_capture_times
-from detumble.analysis.bounds.pursuit import Pursuit
+from detumble.analysis.bounds.runs import capture_bounds
 from detumble.analysis.trials import Array, Trials
+from detumble.analysis.tuning.objective import Objective
+from detumble.analysis.tuning.tuner import tune
 from detumble.scenario import Scenario
-from detumble.scenario.core import case
-from detumble.scenario.laws import TITLES
+from detumble.scenario.laws import LAWS, TITLES, Form
 from detumble.show.style import new_figure, save, styled
 from study.axes import plain_log
 from study.cases import on_spheres, with_laws_of
 
-SEED = 23
-RUNS = 200
+SEED, HELD_OUT = 23, 24
+DISTANCES, RATES = (0.6, 30.0), (math.radians(0.5), math.radians(60.0))
+"""Of the map: m, rad/s."""
 BOUNDED = 24
 """Runs of a cell whose bound is computed; the median of the ratio is of these."""
 HORIZON = 300.0
 """s"""
+REQUIRED = 0.5
+"""Share that must capture: no torque follows the fastest tumbles."""
 
 
-def fly(tuned: Mapping[str, Scenario], distances: Array, rates: Array, runs: int = RUNS) -> dict[str, Any]:
+def tuned(form: Form, budget: int, starts: int) -> dict[str, Scenario]:
+    """Tune every law on the whole field."""
+    field = on_spheres((float(DISTANCES[0]), float(DISTANCES[1])), (float(RATES[0]), float(RATES[1])))
+    objective = Objective("capture", required=REQUIRED, until="captured")
+    return {
+        law: tune(
+            field, law, form=form, budget=budget, starts=starts, seed=SEED, objective=objective, horizon=HORIZON
+        ).scenario
+        for law in LAWS
+    }
+
+
+def fly(gains: Mapping[str, Scenario], cells: int, runs: int) -> dict[str, Any]:
     """Fly every law in every cell until capture.
 
     Args:
-        tuned: by law, a scenario with its gains.
-        distances: from the goal, m.
-        rates: of tumble, rad/s.
+        gains: by law, a scenario with its gains.
+        cells: along each axis.
         runs: in a cell.
 
     Returns:
-        By law: `success`, the share of runs that capture within the horizon, and `ratio`, the median of capture time over
-        each run's own lower bound, failures counting as infinite; (distances, rates) nested lists.
+        The axes, `distance_m` and `tumble_rate_rad_s`; and by law `success`, the share of runs that capture within the
+        horizon, and `ratio`, the median of capture time over each run's own lower bound, failures counting as infinite:
+        (distances, rates) nested lists.
     """
-    shape = (len(distances), len(rates))
-    found = {law: {"success": np.empty(shape), "ratio": np.empty(shape)} for law in tuned}
+    distances, rates = np.geomspace(*DISTANCES, cells), np.geomspace(*RATES, cells)
+    shape = (cells, cells)
+    grids = {law: {"success": np.empty(shape), "ratio": np.empty(shape)} for law in gains}
     for cell in np.ndindex(shape):
-        base = on_spheres(float(distances[cell[0]]), float(rates[cell[1]]))
+        distance, rate = float(distances[cell[0]]), float(rates[cell[1]])
+        base = on_spheres((distance, distance), (rate, rate))
         bounds = _bounds(base, min(runs, BOUNDED))
-        for law, scenario in tuned.items():
-            flown = Trials(with_laws_of(base, scenario), SEED, 0, runs, horizon=HORIZON, end="captured").fly(law)
+        for law, scenario in gains.items():
+            flown = Trials(with_laws_of(base, scenario), HELD_OUT, 0, runs, horizon=HORIZON, end="captured").fly(law)
             times = np.where(flown.succeeded[0], flown["capture_time"][0], np.inf)
-            found[law]["success"][cell] = flown.succeeded.mean()
-            found[law]["ratio"][cell] = np.median(times[: len(bounds)] / bounds)
-    return {law: {name: grid.tolist() for name, grid in grids.items()} for law, grids in found.items()}
+            grids[law]["success"][cell] = flown.succeeded.mean()
+            grids[law]["ratio"][cell] = np.median(times[: len(bounds)] / bounds)
+    laws = {law: {name: grid.tolist() for name, grid in found.items()} for law, found in grids.items()}
+    return {"distance_m": distances.tolist(), "tumble_rate_rad_s": rates.tolist(), "laws": laws}
 
 
 def _bounds(scenario: Scenario, runs: int) -> Array:
     """Give the least time, s, of the first runs, at least one control period."""
-    trials = Trials(scenario, SEED, 0, runs)
-    plain = case(scenario, "none")
-    starts = np.tile(np.concatenate([np.ravel(plain["start"][name]) for name in _ORDER]), (runs, 1))
-    columns = trials.columns("none")
-    at = 0
-    for name in _ORDER:
-        width = np.size(plain["start"][name])
-        starts[:, at : at + width] = columns.get(f"start.{name}", starts[:, at : at + width])
-        at += width
-    return np.maximum(minimum_capture_times(Pursuit.of(plain), starts), scenario.time.control_period)
+    return np.maximum(capture_bounds(Trials(scenario, HELD_OUT, 0, runs), processes=1), scenario.time.control_period)
 
 
-_ORDER = ("position", "velocity", "chaser_attitude", "chaser_rate", "debris_attitude", "debris_rate")
-
-
-def draw(grids: Mapping[str, Any], distances: Array, rates: Array, path: Path) -> list[Path]:
+def draw(found: Mapping[str, Any], title: str, path: Path) -> list[Path]:
     """Draw success above and ratio to the bound below, one column a law."""
+    grids, distances = found["laws"], np.array(found["distance_m"])
     with styled():
         figure = new_figure(2.3 * len(grids) + 1.0, 5.0)
         panels = figure.subplots(2, len(grids), sharex=True, sharey=True, squeeze=False)
-        degrees = np.degrees(rates)
+        degrees = np.degrees(found["tumble_rate_rad_s"])
         for column, (law, grid) in enumerate(grids.items()):
             ratio = np.array(grid["ratio"])
             success = panels[0][column].pcolormesh(
@@ -109,5 +118,5 @@ def draw(grids: Mapping[str, Any], distances: Array, rates: Array, path: Path) -
         ):
             panels[row][0].set_ylabel("distance [m]")
             figure.colorbar(mesh, ax=list(panels[row]), label=label, pad=0.01, extend="max" if row else "neither")
-        figure.suptitle("Where the tuned laws capture (grey: fewer than half do)")
+        figure.suptitle(f"Where the tuned laws capture: {title} (grey: fewer than half of the runs do)")
         return save(figure, [path])
