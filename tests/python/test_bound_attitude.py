@@ -273,6 +273,11 @@ def test_no_slew_is_claimed_before_the_lower_bound():
     assert slew_at_tick(replace(BASE, dwell_ticks=5), start(), 4) is None
 
 
+def test_a_dwell_longer_than_the_flight_leaves_no_attitude_to_hold():
+    bound = attitude_bound(replace(BASE, periods=10, dwell_ticks=20), start())
+    assert bound.lower == bound.upper == math.inf
+
+
 def test_casadi_missing_is_said(monkeypatch):
     monkeypatch.setitem(sys.modules, "casadi", None)
     with pytest.raises(RequestError, match=r"pip install 'detumble\[bounds\]'"):
@@ -290,8 +295,8 @@ def test_the_simulator_flies_slews_into_the_thresholds(dwell, later):
     scenario = with_settings(detumble.load("paper"), [*turned, "time.duration=60.0"])
     plain = case(scenario, "none")
     pursuit, row = Pursuit.of(plain), start_of(plain)
-    first = first_slew(pursuit, row, 0)
     lead = earliest_attitude(pursuit, row)
+    first = first_slew(pursuit, row, math.ceil(attitude_bound(pursuit, row).upper / pursuit.period - 1e-9))
     assert lead <= first.times[-1] < 1.5 * lead + 0.1
     for slew in (first, slew_at_tick(pursuit, row, len(first.torque) + later)):
         tick = len(slew.torque)

@@ -47,6 +47,13 @@ def test_json_has_every_bound_and_lower_is_below_upper(cli):
     assert found["detumble_s"]["lower"] >= 0.0
 
 
+def test_a_capture_is_no_sooner_than_either_half_alone():
+    # close by with a weak torque and a small angle: the turn decides, and alone it is bounded better than tick by tick
+    near = ["chaser.position=[0,0.3,0]", "actuators.torque_limit=0.002", "capture.angle_deg=2.0", "time.duration=60.0"]
+    found = bound(with_settings(detumble.load("paper"), near))
+    assert max(found.attitude.lower, found.translation.lower) <= found.capture.lower <= found.capture.upper
+
+
 @pytest.mark.parametrize("gap", [1.0, 9.0])
 def test_one_axis_with_tight_thresholds_is_rest_to_rest(gap):
     settings = [*IN_LINE, *NO_ORBIT, f"chaser.position=[0,0,{gap}]", "capture.distance=1e-4", "capture.speed=1e-4"]

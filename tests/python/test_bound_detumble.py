@@ -55,6 +55,21 @@ def test_a_sphere_at_rest_turns_to_the_orbit_frame_in_its_closed_form(angle):
     assert detumble_bound(numbers).matched == pytest.approx((2 * peak - slowest(numbers)) / acceleration, rel=1e-5)
 
 
+def test_the_turning_of_the_orbit_frame_helps_a_stack_to_align():
+    # a sphere at rest in N, H coming its way at n: it pushes against H and brakes to the rate that counts as settled
+    radius, strength = 1e6, 2.3  # torque over moment, in n²
+    n = math.sqrt(3.986004418e14 / radius**3)
+    settled, angle = 1.01 * n, 0.9 + math.radians(2.0)
+    torque, q = strength * n * n * 0.15, [math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2)]
+    numbers = plain(
+        [*SPHERES[:2], f"orbit={{radius={radius}}}", f"actuators.torque_limit=[1e-12, 1e-12, {torque}]",
+         "debris.tumble_rate=[0, 0, 0]", f"debris.attitude={q}", f"settled={{angle_deg=2.0, rate={settled}}}",
+         "time.duration=0.1"]
+    )  # fmt: skip
+    peak = n * math.sqrt(0.9 * strength + 0.5 * (1.0 + 1.01**2))
+    assert 0.0 <= detumble_bound(numbers).matched < (2.0 * peak - n - settled) / (strength * n * n)
+
+
 def test_momentum_alone_is_the_impulse_it_takes():
     momentum, torque = np.array([0.001, 0.05, 0.1]), np.array([0.01, 0.02, 0.02])
     found = detumble_lower(momentum, torque, np.array(0.5), np.array(0.006))

@@ -26,9 +26,11 @@ from detumble.analysis.tuning import Objective
 from detumble.analysis.tuning.objective import What
 from detumble.campaigns.draws import drawn_scenario
 from detumble.cli import main
+from detumble.commands.compare import Stages
 from detumble.errors import RequestError
 from detumble.scenario import Scenario, with_settings
 from detumble.scenario.core import axes
+from detumble.show.compare.times import times_over_least
 
 TWINS = (Entry("One", "prrl", "printed"), Entry("Other", "prrl", "printed"), Entry("PD", "pd", "corrected"))
 SMALL = Plan(budget=20, starts=16, tunings=2, runs=200, robust=20)
@@ -75,7 +77,10 @@ def test_one_law_under_independent_noise_ties_as_a_rule() -> None:
     paper, entry, mistaken = detumble.load("paper"), TWINS[0], 0
     for repetition in range(30):
         flown = [fly(paper, "prrl", 2 * repetition + place, 150) for place in range(2)]
-        twins = [Judged(entry, (), 0, runs, Verdict.of(runs), Score(False, 0.0)) for runs in flown]
+        twins = [
+            Judged(entry, (), 0, runs, np.minimum(runs.capture_time, 100.0), Verdict.of(runs), Score(False, 0.0))
+            for runs in flown
+        ]
         assert not np.array_equal(flown[0]["delta_v"], flown[1]["delta_v"])
         mistaken += any(p < 0.05 for p in pairs_of(twins)[0].adjusted.values())
     assert mistaken <= binom.ppf(0.999, 30, 0.05)
@@ -112,6 +117,23 @@ def test_folder_holds_numbers_and_gains_that_fly(small: Comparison, folder: Path
     own = detumble.load(folder / "tuned" / "pd.toml")
     flown = Trials(own, small.plan.judging, 0, 50).fly("pd")["capture_time"][0]
     assert np.array_equal(flown, small.entries[2].runs["capture_time"][:50], equal_nan=True)
+
+
+def test_largest_seed_has_further_searches_too() -> None:
+    paper, largest = detumble.load("paper"), 2**64 - 1
+    result = compare(paper, TWINS[1:], Plan(seed=largest, budget=2, starts=2, tunings=2, runs=5, robust=0))
+    assert [tuning.optimiser_seed for tuning in result.entries[0].tunings] == [largest, 0]
+
+
+@pytest.mark.parametrize("tuned", [True, False])
+def test_stopping_says_how_to_go_on_where_there_is_something_to_go_on_with(
+    tuned: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if tuned:
+        (tmp_path / "records").mkdir()
+    with pytest.raises(KeyboardInterrupt), Stages(tmp_path):
+        raise KeyboardInterrupt
+    assert ("--resume" in capsys.readouterr().err) is tuned
 
 
 def test_figures_are_drawn_for_few_and_for_failing_runs(small: Comparison, tmp_path: Path) -> None:
@@ -210,6 +232,16 @@ def test_bounds_do_not_depend_on_who_computes_them(scenario: Scenario, monkeypat
         capture_bounds(trials, processes=2)
 
 
+def test_files_of_the_user_do_not_reach_those_who_help(
+    scenario: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(bounds_of_runs, "FEW", 0)
+    (tmp_path / "signal.py").write_text("raise SystemExit('not meant for you')\n")
+    monkeypatch.chdir(tmp_path)
+    capture_bounds(Trials(scenario, 5, 0, 150), processes=2)
+    assert capfd.readouterr().err == ""
+
+
 def test_bounds_can_be_stopped(scenario: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bounds_of_runs, "FEW", 0)
 
@@ -226,6 +258,17 @@ def test_runs_from_one_start_share_one_bound() -> None:
     bounds = capture_bounds(Trials(paper, 0, 0, 5000), progress=seen.append)
     assert seen == [5000]
     assert set(bounds.tolist()) == {minimum_capture_time(paper)}
+
+
+def test_runs_that_begin_captured_are_drawn_as_soon_as_any_controller_could(scenario: Scenario) -> None:
+    wide = with_settings(scenario, ["capture.distance=100.0", "capture.angle_deg=179.0", "capture.rate=0.3"])
+    judged = compare(wide, TWINS[:2], Plan(as_given=True, runs=60, robust=0)).entries[0]
+    begun = judged.runs.capture_time == 0.0
+    assert 0 < judged.ratios["time"].free < 60
+    drawn = times_over_least(judged)
+    assert np.all(drawn[begun] == 1.0)
+    assert np.all(drawn >= 1.0)
+    assert np.array_equal(np.isinf(drawn), ~judged.runs.succeeded)
 
 
 def test_least_delta_v_falls_with_time_and_is_none_without_any(scenario: Scenario) -> None:
@@ -259,6 +302,8 @@ def test_settling_bound_is_momentum_over_torque(scenario: Scenario) -> None:
         (["--seed", "3", "--held-out", "3"], "training"),
         (["--runs", "0"], "runs 0"),
         (["--resume"], "--out"),
+        (["--threads", "-1"], "threads -1"),
+        (["--entry", "ä=pd", "--entry", "b=pd"], "from a to z"),
     ],
 )
 def test_requests_that_cannot_be_met_are_refused(

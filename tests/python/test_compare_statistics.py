@@ -7,11 +7,11 @@ import math
 
 import numpy as np
 import pytest
-from scipy.stats import binom, binomtest, false_discovery_control, norm
+from scipy.stats import binom, binomtest, false_discovery_control, norm, ttest_rel
 
 from detumble.analysis.comparing.entries import Entry
 from detumble.analysis.comparing.judge import KEPT, Runs, Verdict
-from detumble.analysis.comparing.paired import Difference, holm, quantile, sign_test
+from detumble.analysis.comparing.paired import Difference, Shift, holm, quantile, sign_test, t_test
 from detumble.analysis.comparing.ranking import Score, rank
 from detumble.analysis.comparing.ratios import Ratio
 from detumble.analysis.comparing.result import Judged, pairs_of, ranking_of
@@ -32,9 +32,9 @@ def runs_of(capture_time: np.ndarray, delta_v: np.ndarray | None = None) -> Runs
 def judged(name: str, runs: Runs, required: float = 0.95) -> Judged:
     success = Proportion.of(int(runs.succeeded.sum()), len(runs))
     verdict = Verdict(success, success, {})
-    statistic = float(np.minimum(runs.capture_time, 200.0).mean())
-    score = Score.of(runs.succeeded.mean(), required, statistic)
-    return Judged(Entry(name, "pd", "printed"), (), 0, runs, verdict, score)
+    counted = np.minimum(runs.capture_time, 200.0)
+    score = Score.of(runs.succeeded.mean(), required, float(counted.mean()))
+    return Judged(Entry(name, "pd", "printed"), (), 0, runs, counted, verdict, score)
 
 
 def order(*entries: Judged) -> tuple[list[int], list[str]]:
@@ -156,6 +156,49 @@ def test_less_than_a_control_period_is_no_difference_however_significant() -> No
     assert pair.adjusted["capture_time_s"] < 1e-50
     assert order(*entries)[0] == [1, 1]
     assert order(entries[0], judged("b", runs_of(time - PERIOD)))[0] == [2, 1]
+
+
+def test_ahead_in_most_runs_is_not_enough_where_the_mean_hangs_on_a_few_failures() -> None:
+    generator = np.random.default_rng(5)
+    time = ticks(generator.gamma(9.0, 2.0, 1000))
+    slower = time + 2.0 * PERIOD
+    time[:10], slower[5:15] = np.nan, np.nan  # as many failures, of which each counts for a thousand times that
+    entries = judged("ahead", runs_of(time)), judged("behind", runs_of(slower))
+    (pair,) = pairs_of(entries)
+    assert pair.better(0, "capture_time_s")
+    assert entries[1].score.value - entries[0].score.value > PERIOD
+    assert pair.adjusted["statistic"] > 0.5
+    assert order(*entries) == ([1, 1], ["a", "a"])
+
+
+def test_means_are_compared_by_the_paired_t_test() -> None:
+    generator = np.random.default_rng(8)
+    a, b = generator.gamma(4.0, 5.0, (2, 300))
+    found = Shift.of(a, b, None)
+    assert found.p == pytest.approx(ttest_rel(a, b).pvalue, rel=1e-9)
+    assert found.value == pytest.approx(a.mean() - b.mean())
+    assert (t_test(np.zeros(10)), t_test(np.ones(1)), t_test(np.full(9, 0.5))) == (1.0, 1.0, 0.0)
+
+
+def test_percentile_differs_only_where_that_percentile_does() -> None:
+    generator = np.random.default_rng(9)
+    a = generator.gamma(4.0, 5.0, 2000)
+    sooner, longer = np.where(a < 20.0, 0.8 * a, a), np.where(a > 20.0, 1.3 * a, a)
+    assert Shift.of(sooner, a, 95.0).p == 1.0
+    assert Shift.of(sooner, a, 25.0).p < 1e-9
+    assert Shift.of(longer, a, 25.0).p == 1.0
+    assert Shift.of(longer, a, 95.0).p < 1e-9
+
+
+@pytest.mark.parametrize("percentile", [None, 50.0, 95.0])
+def test_statistics_of_exchangeable_laws_seldom_differ(percentile: float | None) -> None:
+    generator, repetitions = np.random.default_rng(12), 500
+    mistaken = 0
+    for _ in range(repetitions):
+        common = generator.gamma(9.0, 2.0, 400)
+        a, b = common + generator.normal(0.0, 2.0, (2, 400))
+        mistaken += Shift.of(a, b, percentile).p < 0.05
+    assert mistaken <= binom.ppf(0.999, repetitions, 0.05)
 
 
 def test_lucky_search_makes_no_ranking() -> None:

@@ -73,8 +73,8 @@ def test_verdicts_turn_with_the_ranking(numbers):
 
 
 def test_printed_terminal_surface_decays_as_its_exponent_says():
-    # e' = -c e^(5/3) + s. The law does not compensate the surface's own rate, so within the layer s' = -(K/φ) s + d(c e^(5/3))/dt,
-    # and s = -(φ/K) 5/3 c² e^(7/3) but for its own slow change
+    # e' = -c e^(5/3) + s. The law does not compensate the surface's own rate, so within the layer
+    # s' = -(K/φ) s + d(c e^(5/3))/dt, and s = -(φ/K) 5/3 c² e^(7/3) but for its own slow change
     time, error = surfaces.fly()["tsmc, printed"]["line"]
     gains = detumble.load("paper").laws.tsmc.translation
     slope, lag = gains.slope, gains.layer / gains.gain

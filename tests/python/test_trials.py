@@ -8,6 +8,7 @@ pytest.importorskip("detumble._core")
 
 from detumble.analysis.trials import Change, Trials  # noqa: E402  # after the skip
 from detumble.scenario.core import case  # noqa: E402
+from detumble.scenario.faults import validated  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -66,6 +67,20 @@ def test_change_is_what_it_says():
     assert np.allclose(columns["sensors.rate"], 3.0 * Trials(scenario, 1, 0, 5).columns("lqr")["sensors.rate"])
     assert (changed["plan"]["control_period"], changed["plan"]["periods"]) == (0.25, 2400)
     assert changed["plan"]["steps_per_period"] == 5
+
+
+def test_beliefs_that_are_dispersed_are_changed_too():
+    scenario = detumble.load("paper_dispersed")
+    raw = scenario.to_dict()
+    raw["dispersions"] = [
+        {"field": "belief.chaser_inertia", "distribution": "inertia", "relative": 0.1, "axes_sigma": 0.01}
+    ]
+    believed = validated(raw, "believed")
+    plain, changed = (
+        Trials(believed, 1, 0, 5, change=change).columns("prrl") for change in (Change(), Change(belief=1.3))
+    )
+    assert np.ptp(plain["belief.chaser_inertia"], axis=0).max() > 0.0
+    assert np.allclose(changed["belief.chaser_inertia"], 1.3 * plain["belief.chaser_inertia"], rtol=1e-15)
 
 
 def test_wrong_belief_moves_a_law_that_uses_it_and_no_other():

@@ -86,6 +86,16 @@ def test_the_search_uses_its_budget_up_where_all_costs_are_equal_and_where_there
     assert abs(minimise(lambda points: (points[:, 0] - 0.9) ** 2, np.array([0.1]), 200, 0).point[0] - 0.9) < 1e-3
 
 
+def test_a_descent_that_no_longer_gains_makes_room_for_one_in_another_valley() -> None:
+    """The search begins on the floor of the higher of two valleys; the floors are too rough for a descent to converge."""
+
+    def valleys(points: np.ndarray) -> np.ndarray:
+        near, far = (1.0 + ((points - 0.25) ** 2).sum(axis=1), 0.5 + 3.0 * ((points - 0.75) ** 2).sum(axis=1))
+        return np.minimum(near, far) + 1e-4 * np.sin(1e4 * points).sum(axis=1)
+
+    assert max(minimise(valleys, np.full(6, 0.25), 2000, seed).cost for seed in range(3)) < 0.51
+
+
 # planted optimum
 
 
@@ -274,9 +284,21 @@ def test_a_record_is_refused_where_it_is_not_of_this_search(tmp_path: Path, disp
     record.write_text(text.replace('"points": [[0.', '"points": [[0.9', 1))
     with pytest.raises(RequestError, match="recorded by a search that went another way"):
         tune(dispersed, "pd", record=record, resume=True, **QUICK)
-    record.write_text(text.replace('"outcomes"', '"outcome"', 1))
-    with pytest.raises(RequestError, match="line 2: broken"):
-        tune(dispersed, "pd", record=record, resume=True, **QUICK)
+    head, _, rest = text.partition("\n")
+    broken = [
+        '"points": [1], "outcomes": [2]',
+        '"points": [[]], "outcomes": [["x", 1]]',
+        '"points": [[]], "outcomes": [[NaN, 1]]',
+    ]
+    for line in (
+        '"points": [[]]',
+        *broken,
+        '"points": [[]], "outcomes": [[null, 1]]',
+        '"points": [[]], "outcomes": []',
+    ):
+        record.write_text(f"{head}\n{{{line}}}\n{rest}")
+        with pytest.raises(RequestError, match="line 2: broken"):
+            tune(dispersed, "pd", record=record, resume=True, **QUICK)
 
 
 def test_one_search_at_a_time_works_in_a_folder(tmp_path: Path, dispersed: Scenario) -> None:
@@ -302,6 +324,7 @@ def test_one_search_at_a_time_works_in_a_folder(tmp_path: Path, dispersed: Scena
     ("law", "how", "text"),
     [
         ("pdd", {}, "law 'pdd': must be one of pd, lqr, sosmc, tsmc, prrl; did you mean pd?"),
+        ("tsmc", {"form": "mine"}, "form 'mine': must be printed or corrected"),
         ("pd", {"budget": 0}, "budget 0: must be a whole number from 1 to 1000000000"),
         ("pd", {"starts": 0}, "starts 0: must be a whole number from 1"),
         ("pd", {"seed": -1}, "seed -1: must be a whole number from 0"),
@@ -309,6 +332,16 @@ def test_one_search_at_a_time_works_in_a_folder(tmp_path: Path, dispersed: Scena
         ("pd", {"threads": 0}, "threads 0: must be a whole number from 1"),
         ("pd", {"horizon": 0.0}, "horizon 0 s: must be greater than 0"),
         ("pd", {"fixed": {"translation.k": 1.0}}, "translation.k: is no gain of pd; did you mean translation.kp?"),
+        (
+            "tsmc",
+            {"fixed": {"translation.exponent": 0.5}},
+            "translation.exponent 0.5: the printed form of tsmc takes 1 to 3",
+        ),
+        (
+            "tsmc",
+            {"fixed": {"rotation.exponent": 1.4}, "form": "corrected"},
+            "rotation.exponent 1.4: the corrected form",
+        ),
         ("pd", {"fixed": dict.fromkeys((one.path for one in gains_of("pd")), 1.0)}, "every gain is held"),
     ],
 )
@@ -316,6 +349,19 @@ def test_a_request_that_makes_no_sense_is_refused(dispersed: Scenario, law: str,
     with pytest.raises(RequestError) as refused:
         tune(dispersed, law, **(QUICK | how))
     assert text in str(refused.value)
+
+
+def test_delta_v_counts_whole_where_one_axis_is_far_weaker_than_the_others(dispersed: Scenario) -> None:
+    raw = dispersed.to_dict()
+    raw["actuators"]["force_limit"] = (0.1, 1e-6, math.inf)
+    objective = Objective("delta_v", required=0.0, until="captured")
+    tuned = tune(validated(raw, "weak"), "prrl", **(QUICK | {"budget": 1, "objective": objective}))
+    flown = Trials(tuned.scenario, 0, 0, 12, 40.0, "captured").fly("prrl")
+    good = flown.succeeded[0]
+    assert good.any()
+    ceiling = (0.1 + 1e-6 + 0.1) / 9.0 * 40.0
+    values = np.where(good, np.fmin(flown["delta_v_to_capture"][0], ceiling), ceiling)
+    assert tuned.cost == pytest.approx(values.mean(), rel=1e-12)
 
 
 def test_what_cannot_be_tuned_is_refused(dispersed: Scenario) -> None:

@@ -109,13 +109,14 @@ def test_a_requirement_that_no_candidate_meets_is_told() -> None:
     [
         (["--resume"], "--resume: needs --out"),
         (["--statistic", "median"], "--statistic median: must be mean, or a percentile such as p95"),
-        (["--form", "mine"], "--form mine: must be printed or corrected"),
+        (["--form", "mine"], "form 'mine': must be printed or corrected"),
         (["--objective", "fuel"], "objective 'fuel': must be one of"),
         (["--law", "none"], "law 'none': must be one of"),
         (["--fix", "alpha=x"], "--fix alpha=x: must be GAIN or GAIN=NUMBER"),
         (["--fix", "alpha=1.5"], "laws.prrl.alpha"),
         (["--required", "2"], "required 2: a share"),
         (["--seed", "-1"], "seed -1"),
+        (["--held-out", "-5"], "held_out -5"),
     ],
 )
 def test_what_makes_no_sense_is_refused_in_words(arguments: list[str], text: str) -> None:
@@ -123,6 +124,11 @@ def test_what_makes_no_sense_is_refused_in_words(arguments: list[str], text: str
     assert code == 2
     assert text in printed
     assert "Traceback" not in printed
+
+
+def test_a_wrong_number_of_held_out_runs_is_refused_before_the_search(tmp_path: Path) -> None:
+    assert tune("--held-out", "-5", "--out", str(tmp_path / "out"))[0] == 2
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_held_gain_keeps_its_value_or_takes_one() -> None:

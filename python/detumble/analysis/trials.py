@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 _SENSORS = ("position", "velocity", "attitude", "rate")
+_BELIEFS = {"belief.chaser_inertia", "belief.stack_inertia"}
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,8 @@ class Change:
     """What is made otherwise than the scenario says, to see who minds.
 
     Attributes:
-        belief: the laws believe the inertias this many times as large as they would.
+        belief: the laws believe the inertias this many times as large as they would; a stack that they are told the truth of
+            stays as it is.
         noise: the sensors are this many times as noisy.
         control_period: s; None leaves it.
     """
@@ -102,6 +104,8 @@ class Trials:
             path = f"sensors.{sensor}"
             if path in differing:
                 differing[path] = self.change.noise * differing[path]
+        for path in _BELIEFS & differing.keys():
+            differing[path] = self.change.belief * differing[path]
         return differing
 
     def nominal(self, law: str) -> dict[str, Any]:
@@ -117,7 +121,8 @@ class Trials:
         if self.end is not None:
             plan["end"] = self.end
         sensors |= {sensor: self.change.noise * sensors[sensor] for sensor in _SENSORS}
-        for name in ("chaser_inertia", "stack_inertia"):
+        for path in _BELIEFS:
+            name = path.removeprefix("belief.")
             belief[name] = (self.change.belief * np.array(belief[name])).tolist()
         return plain
 

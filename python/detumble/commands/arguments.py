@@ -16,3 +16,17 @@ def folder(text: str) -> Path:
     if not text.strip():
         raise RequestError('--out "": names no folder; the current one is "."')
     return Path(text)
+
+
+def percentile(statistic: str) -> float | None:
+    """Read --statistic: `mean`, which is None, or a percentile such as `p95`.
+
+    Raises:
+        RequestError: it is neither.
+    """
+    if statistic == "mean":
+        return None
+    try:
+        return float(statistic.removeprefix("p"))
+    except ValueError:
+        raise RequestError(f"--statistic {statistic}: must be mean, or a percentile such as p95") from None

@@ -81,7 +81,7 @@ def _text(scenario: Scenario, found: Bounds) -> str:
     rows.append(("detumbling after a perfect match", fixed(found.detumble.matched, 3), "–", "–", "s"))
     notes = (
         "No controller does it in less, with or without noise; the other column is done by a trajectory found.",
-        "Capture is judged at control ticks, its two halves at any time. A dash: not within the flight.",
+        "Capture is judged at control ticks, its two halves at any time. A dash: not within the flight, or none found.",
     )
     return "\n".join([scenario.title, "", table(rows), "", *notes])
 

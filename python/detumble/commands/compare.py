@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from detumble.commands.arguments import folder
+from detumble.commands.arguments import folder, percentile
 from detumble.commands.printing import print_json, remark
-from detumble.commands.tune import _percentile
 from detumble.errors import RequestError
 
 if TYPE_CHECKING:
@@ -39,7 +38,7 @@ def compare(
     until: Annotated[
         str | None, typer.Option(help="How flights end: settled, captured or duration.  [as the scenario]")
     ] = None,
-    budget: Annotated[int, typer.Option(help="Evaluations of each tuning.")] = 1000,
+    budget: Annotated[int, typer.Option(help="Evaluations of each tuning.")] = 500,
     starts: Annotated[int, typer.Option(help="Starts that each evaluation flies.")] = 256,
     tunings: Annotated[int, typer.Option(help="Independent tunings of each entry; the best is judged.")] = 3,
     horizon: Annotated[float | None, typer.Option(help="Longest flight while tuning, s.  [from the bound]")] = None,
@@ -72,7 +71,7 @@ def compare(
     if settings or more:
         chosen = with_settings(chosen, [*(settings or ()), *(more or ())], scenario)
     plan = Plan(
-        objective=Objective(cast("What", objective), _percentile(statistic), required, cast("Until | None", until)),
+        objective=Objective(cast("What", objective), percentile(statistic), required, cast("Until | None", until)),
         horizon=horizon,
         budget=budget,
         starts=starts,
@@ -148,5 +147,8 @@ class Stages:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._bar.stop()
-        if self._folder and isinstance(error, SystemExit | KeyboardInterrupt):
+        from detumble.analysis.comparing.plan import RECORDS
+
+        interrupted = isinstance(error, SystemExit | KeyboardInterrupt)
+        if interrupted and self._folder and (self._folder / RECORDS).exists():
             remark(f"stopped; the same command with --resume goes on with the tunings: {self._folder}")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from detumble.commands.arguments import folder
+from detumble.commands.arguments import folder, percentile
 from detumble.commands.printing import cell, fixed, json_text, print_json, remark, table
 from detumble.errors import RequestError
 
@@ -71,9 +71,7 @@ def tune(
         chosen = with_settings(chosen, [*(settings or ()), *(more or ())], scenario)
     if resume and out is None:
         raise RequestError("--resume: needs --out, the folder of the search to continue")
-    if form not in (None, "printed", "corrected"):
-        raise RequestError(f"--form {form}: must be printed or corrected")
-    whole = space_of(chosen, law, form=form, stack=stack)  # type: ignore[arg-type]  # checked above
+    whole = space_of(chosen, law, form=form, stack=stack)  # type: ignore[arg-type]  # checked there
     if show:
         if as_json:
             print_json({"law": law, "gains": _gains_json(whole)})
@@ -93,21 +91,12 @@ def tune(
         "resume": resume,
         "threads": threads,
     }
-    what: dict[str, Any] = {"percentile": _percentile(statistic), "required": required, "until": until}
+    what: dict[str, Any] = {"percentile": percentile(statistic), "required": required, "until": until}
     with output_folder(out):
         if objective == "pareto":
             _pareto(chosen, law, how, what, out, as_json)
         else:
             _single(chosen, law, how, {"what": objective, **what}, held_out, out, as_json)
-
-
-def _percentile(statistic: str) -> float | None:
-    if statistic == "mean":
-        return None
-    try:
-        return float(statistic.removeprefix("p"))
-    except ValueError:
-        raise RequestError(f"--statistic {statistic}: must be mean, or a percentile such as p95") from None
 
 
 def _held(fix: Sequence[str], space: Space) -> dict[str, float | None]:
@@ -137,9 +126,11 @@ def _single(
 ) -> None:
     from detumble.analysis.tuning import Objective, held_out
     from detumble.analysis.tuning import tune as search
+    from detumble.analysis.tuning.flights import check_whole
     from detumble.commands.progress import SearchProgress
 
     objective = Objective(**what)
+    check_whole(held_out=(runs, 0, 10**9))
     with SearchProgress(out, objective.unit) as progress:
         tuned = search(scenario, law, objective=objective, watcher=progress, **how)
     other = (tuned.seed + 1) % 2**64

@@ -49,8 +49,9 @@ def draw_convergence(tuned: Tuned) -> Figure:
     # of the first candidate alone the median is itself
     above.plot(made[1:], median[1:], ".", color=PALE, markersize=3.0, label="median of a generation")
     above.step(made, best, where="post", color=colour, linewidth=2.0, label="best so far")
-    above.set_yscale("log")
-    above.yaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+    if best[-1] > 0.0:  # a start within the thresholds costs nothing
+        above.set_yscale("log")
+        above.yaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
     for formatted in (above.yaxis.set_major_formatter, above.yaxis.set_minor_formatter):
         formatted("{x:g}")
     objective = tuned.objective

@@ -2,8 +2,8 @@
 
     translation  distance and speed alone, any real time, any control within the limits
     attitude     angle and relative rate alone, likewise
-    capture      both at one control tick, as the scenario judges it. Below: the first tick that neither half excludes.
-                 Above: the first tick found at which commands held over control periods do both.
+    capture      both at one control tick, as the scenario judges it. Below: the first tick that neither half excludes,
+                 there or at any time. Above: the first tick found at which commands held over control periods do both.
     Δv           of a translation that is within its thresholds at some time up to `within`
     detumble     from capture until settled, for any capture
 
@@ -148,7 +148,10 @@ def time_within(pursuit: Pursuit, within: float | None) -> float:
 
 
 def _capture(pursuit: Pursuit, start: Array, translation: Bracket, attitude: AttitudeBound) -> Rendezvous:
-    lower = minimum_times(pursuit, start).capture
+    # ticks tell where both halves can hold; each half by itself is bounded better at any time
+    halves = max(translation.lower, attitude.lower)
+    on_tick = ticks(halves, pursuit.period) * pursuit.period if math.isfinite(halves) else math.inf
+    lower = max(minimum_times(pursuit, start).capture, on_tick)
     soonest = max(lower, translation.upper, attitude.upper)
     if math.isinf(soonest):
         return Rendezvous(lower, math.inf, None, None)

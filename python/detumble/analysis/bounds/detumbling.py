@@ -6,10 +6,11 @@ of α left to do, it takes at least
 
     momentum    (|h| - J₃ e) / ‖limit‖
     energy      (√(wᵀ I w) - √J₃ e) / max ‖I^(-1/2) τ‖
-    turn        (2 atan(p/r) - atan(|w|/r) - atan(e/r)) / √(A c),   p²/r² + 1 = √((1 + |w|²/r²)(1 + e²/r²)) exp(c α),
+    turn        (2 atan(p/r) - atan(u₀/r) - atan(u₁/r)) / √(A c),   p²/r² + 1 = √((1 + u₀²/r²)(1 + u₁²/r²)) exp(c α),
 
-r = √(A/c). The last is how long it takes to turn by α when |w| rises at A + c|w|² to p and falls likewise (∫|w| dt from u to p
-is ln((1 + p²/r²)/(1 + u²/r²)) / 2c); it says nothing while p would be less than |w| or e.
+r = √(A/c). The last is about u = |w| + n, which bounds the rate against H, for H turns too: |u'| ≤ A + c|w|² ≤ A + c u². It is
+how long it takes to turn by α when u rises from u₀ = |w| + n to p and falls to u₁ = e + n as fast as that allows (∫u dt from
+u₀ to p is ln((1 + p²/r²)/(1 + u₀²/r²)) / 2c); it says nothing while p would be less than u₀ or u₁.
 
 Any capture (`lower`): the chaser is within θ of the debris, its rate within a threshold of w_D, at any time of the flight:
 
@@ -122,7 +123,8 @@ def _lower(case: Mapping[str, Any], pursuit: Pursuit, rates: Array, left: Array,
             math.sqrt(moments[0]) * least,
             np.sqrt(np.einsum("ti,ij,tj->t", rates, stack, rates)) - math.sqrt(moments[2]) * around,
         )
-        times = _quickest(stack[None], pursuit.torque, momentum, energy, most, still_left, slowest)
+        turning = most + pursuit.mean_motion, slowest + pursuit.mean_motion
+        times = _quickest(stack[None], pursuit.torque, momentum, energy, slowest, still_left, turning)
         return float(times.min())
     if not math.isfinite(pursuit.speed):
         return 0.0
@@ -154,13 +156,19 @@ def _matched(
         momentum = momentum + mass * np.cross(arm, across)
     spin = np.linalg.solve(inertia, momentum[:, :, None])[..., 0]
     energy = np.sqrt((spin * momentum).sum(axis=1))
-    speed = np.linalg.norm(spin, axis=1)
-    times = _quickest(inertia, pursuit.torque, np.linalg.norm(momentum, axis=1), energy, speed, left, slowest)
+    turning = np.linalg.norm(spin, axis=1) + pursuit.mean_motion, slowest + pursuit.mean_motion
+    times = _quickest(inertia, pursuit.torque, np.linalg.norm(momentum, axis=1), energy, slowest, left, turning)
     return float(times.min())
 
 
 def _quickest(
-    inertia: Array, torque: Array, momentum: Array, energy: Array, speed: Array, left: Array, slowest: float
+    inertia: Array,
+    torque: Array,
+    momentum: Array,
+    energy: Array,
+    slowest: float,
+    left: Array,
+    turning: tuple[Array, float],
 ) -> Array:
     """Lower bounds (n,) of the time to settle.
 
@@ -169,9 +177,9 @@ def _quickest(
         torque: (3,) limits, N m.
         momentum: (n,) |h| or less, N m s.
         energy: (n,) √(wᵀ I w) or less.
-        speed: (n,) |w| or more, rad/s.
-        left: (n,) rad still to be turned, or less.
         slowest: |w| allowed at the end, rad/s.
+        left: (n,) rad still to be turned against H, or less.
+        turning: rad/s against H, or more, at first (n,) and at the end.
     """
     if not np.isfinite(torque).all():
         return np.zeros(len(momentum))
@@ -185,7 +193,7 @@ def _quickest(
     by_momentum = (momentum - j3 * slowest) / np.linalg.norm(torque)
     by_energy = (energy - np.sqrt(j3) * slowest) / np.sqrt(np.einsum("ci,nic->nc", corners, spun).max(axis=1))
     scale, pace = np.sqrt(direct / growth), np.sqrt(direct * growth)
-    first, last = (speed / scale) ** 2, (slowest / scale) ** 2
+    first, last = ((rate / scale) ** 2 for rate in turning)
     # p²/r², written without the difference of numbers near 1
     peak = np.expm1(0.5 * (np.log1p(first) + np.log1p(last)) + growth * np.maximum(0.0, left))
     turned = (2.0 * np.arctan(np.sqrt(peak)) - np.arctan(np.sqrt(first)) - np.arctan(np.sqrt(last))) / pace

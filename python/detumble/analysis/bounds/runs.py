@@ -238,7 +238,7 @@ class _Crew:
         self._threads = ThreadPoolExecutor(workers)
         self._workers: list[subprocess.Popen[str]] = []
         if workers > 1:
-            command = [sys.executable, "-c", _WORKER]
+            command = [sys.executable, "-P", "-c", _WORKER]  # -P: no module of that name in the current folder
             for _ in range(workers):
                 self._workers.append(
                     subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)

@@ -29,7 +29,6 @@ MARGINS = (1e-6, 1e-3)  # of the thresholds, kept in the programmes; the second 
 WIDENED = 1e-5  # and no more, or a programme has found nothing
 KEPT = 1e-7  # of the thresholds, at a tick, for plants that round differently
 NEARLY = 1.05  # times the thresholds: from there another try is worth while
-AMPLE = 1.4  # times the lower bound: a tick that late is tried at once, for most slews are that quick
 CHASE_LONGEST = 200  # steps
 
 
@@ -81,7 +80,12 @@ def attitude_bound(pursuit: Pursuit, start: Array) -> AttitudeBound:
     if not np.isfinite(pursuit.torque).any():
         upper = max(0 if Turn(pursuit, start).met_at_once else 1, pursuit.dwell_ticks) * pursuit.period
         return AttitudeBound(lower, upper if upper <= pursuit.period * pursuit.periods else math.inf, None)
-    slew = first_slew(pursuit, start, pursuit.dwell_ticks) if pursuit.dwell_ticks else _soonest(pursuit, start, lower)
+    if math.isinf(lower):
+        return AttitudeBound(lower, math.inf, None)
+    slew = _soonest(pursuit, start, lower)
+    if pursuit.dwell_ticks:
+        begin = float(slew.times[-1]) if slew else lower - pursuit.dwell_ticks * pursuit.period
+        slew = first_slew(pursuit, start, math.ceil(begin / pursuit.period - 1e-9) + pursuit.dwell_ticks)
     return AttitudeBound(lower, float(slew.times[-1]) if slew else math.inf, slew)
 
 
@@ -116,16 +120,9 @@ def first_slew(pursuit: Pursuit, start: Array, from_tick: int) -> Slew | None:
     least = earliest_attitude(pursuit, start)
     if not math.isfinite(least):
         return None
-    if from_tick * pursuit.period > AMPLE * least:
-        slew = _at_tick(pursuit, start, from_tick, least)
-        if slew:
-            return slew
-    quickest = _soonest(pursuit, start, least)
-    begin = float(quickest.times[-1]) if quickest else least
-    first = max(from_tick, math.ceil(begin / pursuit.period - 1e-9) + pursuit.dwell_ticks)
     later = 0
-    while first + later <= pursuit.periods:
-        slew = _at_tick(pursuit, start, first + later, least)
+    while from_tick + later <= pursuit.periods:
+        slew = _at_tick(pursuit, start, from_tick + later, least)
         if slew:
             return slew
         later = max(later + 1, 2 * later)
@@ -259,8 +256,6 @@ def _soonest(pursuit: Pursuit, start: Array, lower: float) -> Slew | None:
     if turn.met_at_once:
         return Slew(np.zeros(1), np.empty((0, 3)), turn.attitude[None, :], turn.rate[None, :])
     last = pursuit.period * pursuit.periods
-    if lower > last:
-        return None
     best: Slew | None = None
     for guess in _first_guesses(pursuit, turn, limit, max(lower, 0.25 * pursuit.period)):
         horizon = min(last, 1.2 * guess.time)

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from detumble.analysis.bounds.pursuit import Pursuit
 
 CHECKS = 4  # looks at the dwell for each that the programme takes
+LOOKS = 40  # that it takes at most: its work grows as their cube
 PIECES, MOST_PIECES = 16, 160  # of a control, besides those at its switches: for each radian of the orbit
 PRICE = 100.0  # of the slack, Δv · T per metre
 
@@ -121,7 +122,7 @@ class Task:
         strength += Restlessness.of(pursuit, start[17:20]).place
         cells, margin = 0, 0.0
         if dwell > 0.0:
-            cells = int(np.clip(np.ceil(dwell * np.sqrt(strength / (0.08 * pursuit.distance))), 8, 120))
+            cells = int(np.clip(np.ceil(dwell * np.sqrt(strength / (0.08 * pursuit.distance))), 8, LOOKS))
             margin = min(strength * (dwell / cells) ** 2 / 8.0, 0.5 * pursuit.distance)
         goal = Goal.between(pursuit, start[13:20], time - dwell, time, CHECKS * cells, aligned=True)
         moments = np.linspace(time - dwell, time, CHECKS * cells + 1)

@@ -17,16 +17,18 @@ import numpy as np
 from detumble.analysis.bounds.runs import capture_bounds, delta_v_bounds, settling_bounds
 from detumble.analysis.comparing.entries import check_entries, entries_of
 from detumble.analysis.comparing.judge import Runs, Verdict, fly
-from detumble.analysis.comparing.plan import SPREAD, Plan, Unwatched, Watcher
+from detumble.analysis.comparing.plan import RECORDS, SPREAD, Plan, Unwatched, Watcher
 from detumble.analysis.comparing.ranking import Score
 from detumble.analysis.comparing.ratios import FUEL_RUNS, Ratio
 from detumble.analysis.comparing.result import Comparison, Judged, Tuning, pairs_of, ranking_of
 from detumble.analysis.comparing.robustness import flights, robustness, sweeps_of
 from detumble.analysis.trials import Trials
 from detumble.analysis.tuning import tune
-from detumble.analysis.tuning.gains import natural_of
+from detumble.analysis.tuning.flights import check_whole
+from detumble.analysis.tuning.gains import mean_acceleration
 from detumble.analysis.tuning.horizon import default_horizon
 from detumble.errors import RequestError
+from detumble.flight import MOST_SEED
 from detumble.scenario.files import load
 from detumble.scenario.laws import LAWS
 from detumble.scenario.model import Scenario
@@ -71,6 +73,8 @@ def compare(
     if entries is None:
         entries = entries_of([law for law in LAWS if not plan.as_given or getattr(scenario.laws, law) is not None])
     check_entries(entries, scenario, as_given=plan.as_given)
+    if threads is not None:
+        check_whole(threads=(threads, 1, 4096))
     folder = Path(out) if out is not None else None
     with output_folder(folder):
         work = _Work(scenario, plan, folder, resume, threads, watcher or Unwatched())
@@ -78,7 +82,7 @@ def compare(
         bounds = work.bounds()
         judged = [replace(one, ratios=ratios) for one, ratios in zip(judged, work.ratios(judged, bounds), strict=True)]
         judged = [replace(one, curves=work.curves(one)) for one in judged]
-        pairs = pairs_of(judged)
+        pairs = pairs_of(judged, plan.objective.percentile)
         ranking = ranking_of(judged, pairs, plan.objective.what, scenario.time.control_period)
         result = Comparison(scenario, work.plan, tuple(judged), bounds, pairs, ranking)
         if folder is not None:
@@ -104,7 +108,7 @@ class _Work:
         self.scenario = scenario
         self.plan = replace(plan, horizon=min(horizon, scenario.time.duration))
         self.end = plan.objective.end(scenario)
-        acceleration = natural_of(scenario, "translation").acceleration if plan.objective.unit == "m/s" else math.inf
+        acceleration = mean_acceleration(scenario) if plan.objective.unit == "m/s" else math.inf
         self.ceiling = plan.objective.ceiling(min(horizon, scenario.time.duration), acceleration)
         self.sweeps = sweeps_of(scenario) if plan.robust else ()
         self.folder, self.resume, self.threads, self.watcher = folder, resume, threads, watcher
@@ -125,11 +129,11 @@ class _Work:
             replace(tuning, verdict=Verdict.of(own), score=self._score(own))
             for tuning, own in zip(found, first, strict=True)
         )
-        return Judged(entry, tunings, chosen, runs, Verdict.of(runs), self._score(runs))
+        return Judged(entry, tunings, chosen, runs, self._counted(runs), Verdict.of(runs), self._score(runs))
 
     def _tuned(self, entry: Entry, number: int) -> Tuning:
         plan = self.plan
-        record = self.folder / "records" / f"{entry.file}-{number}" / "record.jsonl" if self.folder else None
+        record = self.folder / RECORDS / f"{entry.file}-{number}" / "record.jsonl" if self.folder else None
         if record:
             record.parent.mkdir(parents=True, exist_ok=True)
         self.watcher.stage(f"{entry.name}: tuning {number + 1} of {plan.tunings}", plan.budget)
@@ -140,7 +144,7 @@ class _Work:
             budget=plan.budget,
             starts=plan.starts,
             seed=plan.seed,
-            optimiser_seed=plan.seed + number,
+            optimiser_seed=(plan.seed + number) % (MOST_SEED + 1),
             objective=plan.objective,
             horizon=plan.horizon,
             record=record,
@@ -160,6 +164,11 @@ class _Work:
         objective = self.plan.objective
         cost = float(objective.judge(runs.results(), self.ceiling).cost[0])
         return Score.of(float(np.mean(runs.succeeded)), objective.required, cost)
+
+    def _counted(self, runs: Runs) -> Array:
+        """What each run counts for in the objective."""
+        values = self.plan.objective.values(runs.results())[0]
+        return np.where(runs.succeeded, np.fmin(values, self.ceiling), self.ceiling)
 
     def bounds(self) -> Array:
         """Bound the capture time of every held-out run: one table for all entries."""

@@ -106,7 +106,7 @@ def check_entries(entries: Sequence[Entry], scenario: Scenario, *, as_given: boo
                 f"{', '.join(known) or 'none'}"
             )
         if not entry.file:
-            raise RequestError(f"entry {entry.name!r}: its name must have a letter or a digit")
+            raise RequestError(f"entry {entry.name!r}: its name must have a letter from a to z or a digit")
         if entry.file in met:
             raise RequestError(
                 f"entries {met[entry.file]!r} and {entry.name!r}: the names must differ, also as file names"

@@ -9,6 +9,14 @@ It is exact, asks nothing of the distribution, and takes ties, and values of +âˆ
 successes it is the exact test of McNemar (Psychometrika 12, 1947). How large the difference is says the median of
 a_i - b_i, where both never happening is no difference, with an interval from order statistics.
 
+The sign test sees who is ahead more often, not by how much: who is ahead by little in most runs and fails in a few may have the
+larger mean. So the statistic that entries are ordered by has a test of its own, of what each run counts for in the objective
+(`tuning.objective`; finite, a failed run counts for the ceiling):
+
+    mean         Student's t of the differences a_i - b_i; asymptotic, what counts being bounded
+    percentile   with c that percentile of all values of both: if both have it there, as many a_i as b_i exceed c. Of the pairs
+                 of which one alone does, the sign test (as McNemar's); c being estimated, it is asymptotic too
+
 Holm (Scandinavian Journal of Statistics 6, 1979): with the p-values of m tests in rising order, the k-th becomes
 max_{j â‰¤ k} (m - j + 1) p_(j). Below 0.05 it is significant, and the chance that any test of the family finds a difference
 where there is none is at most 0.05, however the tests hang together.
@@ -79,9 +87,53 @@ class Difference:
         }
 
 
+@dataclass(frozen=True)
+class Shift:
+    """How far the objective's statistic of one entry lies from that of another.
+
+    Attributes:
+        value: the first less the second, in the objective's unit.
+        p: of the test of the statistic, for itself.
+    """
+
+    value: float
+    p: float
+
+    @classmethod
+    def of(cls, a: Array, b: Array, percentile: float | None) -> Shift:
+        """Compare pairs.
+
+        Args:
+            a: (n,) what the runs count for, finite.
+            b: (n,) likewise, in the same order.
+            percentile: the statistic, in (0, 100]; None is the mean.
+        """
+        if percentile is None:
+            return cls(float(a.mean() - b.mean()), t_test(a - b))
+        own, other, common = (quantile(values, percentile / 100.0) for values in (a, b, np.concatenate((a, b))))
+        assert own is not None
+        assert other is not None
+        assert common is not None
+        over, under = a > common.value * (1.0 + ROUND_OFF), b > common.value * (1.0 + ROUND_OFF)
+        p = sign_test(int(np.count_nonzero(under & ~over)), int(np.count_nonzero(over & ~under)))
+        return cls(own.value - other.value, p)
+
+
+def t_test(differences: Array) -> float:
+    """Give the two-sided p-value of Student's test that the mean of differences (n,) is zero; 1 where they cannot tell."""
+    from scipy.special import stdtr  # type: ignore[import-untyped]  # scipy.stats would take fifty megabytes more
+
+    count = len(differences)
+    mean = float(differences.mean()) if count else 0.0
+    if count < 2 or mean == 0.0:
+        return 1.0
+    error = float(differences.std(ddof=1)) / math.sqrt(count)
+    return min(1.0, 2.0 * float(stdtr(count - 1, -abs(mean) / error))) if error > 0.0 else 0.0
+
+
 def sign_test(lower: int, higher: int) -> float:
     """Give the exact two-sided p-value of so many pairs one way and so many the other; 1 without any."""
-    from scipy.special import bdtr  # type: ignore[import-untyped]  # scipy.stats would take fifty megabytes more
+    from scipy.special import bdtr
 
     return min(1.0, 2.0 * float(bdtr(min(lower, higher), lower + higher, 0.5))) if lower + higher else 1.0
 

@@ -12,6 +12,9 @@ from detumble.flight import MOST_SEED
 SPREAD = 10_000
 """Held-out runs, the first, on which the tunings that were not chosen are judged."""
 
+RECORDS = "records"
+"""Folder of the records of the searches, within that of the comparison."""
+
 
 class Watcher(Protocol):
     """Is told how a comparison gets on."""
@@ -54,7 +57,7 @@ class Plan:
 
     objective: Objective = field(default_factory=Objective)
     horizon: float | None = None
-    budget: int = 1000
+    budget: int = 500
     starts: int = 256
     tunings: int = 3
     seed: int = 0

@@ -5,8 +5,9 @@ objective's statistic decides, among the latter the share of failures. An entry 
 score for each tuning, all on held-out runs. A is above B when all of this holds:
 
 1. every tuning of A has a better score than every tuning of B, so that no luck of the search makes the order;
-2. the paired test of what puts A first is significant in the same direction after Holm's adjustment over all pairs and
-   metrics: of the objective's metric when both reach the required success, else of success;
+2. the paired tests of what puts A first are significant in the same direction after Holm's adjustment over all pairs and
+   tests: when both reach the required success, that A is ahead in more runs, and that the objective's statistic itself differs
+   (see `paired`); else that of success;
 3. the difference is of use: at least one control period of time, 0.5 % of runs, or 0.5 % of Δv.
 
 The scores of an entry make an interval, and by the first rule A is above B only if its interval lies wholly before B's. So no

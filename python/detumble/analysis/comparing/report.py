@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from detumble.analysis.comparing.plan import SPREAD
 from detumble.analysis.comparing.ratios import FUEL_RUNS
-from detumble.analysis.comparing.result import OBJECTIVES
+from detumble.analysis.comparing.result import OBJECTIVES, STATISTIC
 from detumble.analysis.tuning.objective import MEANINGS
 from detumble.commands.printing import fixed, table
 
@@ -46,14 +46,11 @@ def text_of(comparison: Comparison) -> str:
 
 def _headline(comparison: Comparison) -> str:
     plan = comparison.plan
-    how = (
-        "gains as given"
-        if plan.as_given
-        else f"{plan.tunings} tunings each of {plan.budget} evaluations on {plan.starts} starts of seed {plan.seed}, horizon "
-        f"{plan.horizon:.4g} s"
-    )
+    budget, starts = _counted(plan.budget, "evaluation"), _counted(plan.starts, "start")
+    searched = f"{_counted(plan.tunings, 'tuning')} each of {budget} on {starts} of seed {plan.seed}"
+    how = f"{'gains as given' if plan.as_given else searched}, horizon {plan.horizon:.4g} s"
     goal = f"{plan.objective.statistic} of {MEANINGS[plan.objective.what]}, success at least {100 * plan.objective.required:g} %"
-    return f"{comparison.scenario.title}\n{goal}; {how}\njudged on {plan.runs} runs of seed {plan.judging}"
+    return f"{comparison.scenario.title}\n{goal}; {how}\njudged on {_counted(plan.runs, 'run')} of seed {plan.judging}"
 
 
 def _standings(comparison: Comparison) -> str:
@@ -117,7 +114,7 @@ def _ratios(comparison: Comparison) -> str:
 
 
 def _against(comparison: Comparison) -> str:
-    """The first of the order against each of the others, in the metric of the objective and in success."""
+    """The first of the order against each of the others, in the objective and in success."""
     order = comparison.ordered
     metric = OBJECTIVES[comparison.plan.objective.what]
     title, unit, decimals, factor = METRIC_TITLES[metric]
@@ -129,6 +126,7 @@ def _against(comparison: Comparison) -> str:
             "95 % interval",
             "better / worse in runs",
             "p",
+            f"p of {comparison.plan.objective.statistic}",
             "p of success",
         )
     ]
@@ -144,10 +142,15 @@ def _against(comparison: Comparison) -> str:
                 _between(pair, metric, sign * factor, decimals),
                 f"{better} / {worse}",
                 _p(pair.adjusted[metric]),
+                _p(pair.adjusted[STATISTIC]),
                 _p(pair.adjusted["failed"]),
             )
         )
-    return table(rows) + "\np is adjusted by Holm over all pairs and metrics."
+    notes = [
+        "p: of better against worse; p of the statistic and of success: of these themselves; all adjusted by Holm over all pairs",
+        "and tests. -inf, +inf: in most runs one of the two alone gets there.",
+    ]
+    return "\n".join([table(rows), *notes])
 
 
 def _between(pair: Pair, metric: str, factor: float, decimals: int) -> str:
@@ -212,7 +215,14 @@ def _robustness(comparison: Comparison) -> str:
         own = judged.curves[0].verdicts[judged.curves[0].sweep.values.index(judged.curves[0].sweep.own)]
         verdicts = [own, *(judged.curves[number].verdicts[at] for number, at, _, _ in shown)]
         rows.append((judged.entry.name, *(fixed(100 * verdict.success.share, 1) for verdict in verdicts)))
-    return table(rows) + "\nBelieved inertia, sensor noise, or control period changed, nothing tuned anew."
+    runs = min(comparison.plan.robust, comparison.plan.runs)
+    return table(rows) + (
+        f"\nOf the first {_counted(runs, 'run')}: believed inertia, sensor noise, or control period changed, nothing tuned anew."
+    )
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def _second_column_left(rows: list[tuple[str, ...]]) -> str:

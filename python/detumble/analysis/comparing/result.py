@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from detumble.analysis.comparing.paired import Difference, holm
+from detumble.analysis.comparing.paired import Difference, Shift, holm
 from detumble.analysis.comparing.ranking import SHARE, SIGNIFICANT, Ranking, Score, rank
 from detumble.writing import output_folder, write_text
 
@@ -41,6 +41,8 @@ OBJECTIVES = {
     "delta_v_total": "delta_v_m_s",
 }
 """The metric of each objective."""
+STATISTIC = "statistic"
+"""Name of the test of the objective's statistic among those of a pair."""
 
 
 @dataclass(frozen=True)
@@ -91,6 +93,7 @@ class Judged:
         tunings: all of its sets of gains, in the order of their seeds.
         chosen: place of the one of the least training cost, which is judged.
         runs: the held-out runs of that.
+        counted: (n,) what each of them counts for in the objective, in its unit; a failed one for the ceiling.
         verdict: what they say.
         score: on all of them.
         ratios: `time`, `delta_v`, `settling`: see `ratios`.
@@ -101,6 +104,7 @@ class Judged:
     tunings: tuple[Tuning, ...]
     chosen: int
     runs: Runs
+    counted: Array
     verdict: Verdict
     score: Score
     ratios: Mapping[str, Ratio] = field(default_factory=dict)
@@ -140,11 +144,13 @@ class Pair:
     Attributes:
         places: of both among the entries.
         differences: by metric, see `METRICS`: the first less the second.
-        adjusted: p-values after Holm's adjustment over all pairs and metrics.
+        shift: of the objective's statistic.
+        adjusted: p-values by metric, and by `STATISTIC`, after Holm's adjustment over all pairs and tests.
     """
 
     places: tuple[int, int]
     differences: Mapping[str, Difference]
+    shift: Shift
     adjusted: Mapping[str, float]
 
     def better(self, place: int, metric: str) -> bool:
@@ -155,14 +161,24 @@ class Pair:
         return self.adjusted[metric] < SIGNIFICANT and (ahead if place == self.places[0] else behind)
 
 
-def pairs_of(entries: Sequence[Judged]) -> tuple[Pair, ...]:
-    """Test every pair of entries for every metric, and adjust the p-values as one family."""
+def pairs_of(entries: Sequence[Judged], percentile: float | None = None) -> tuple[Pair, ...]:
+    """Test every pair of entries for every metric and for the objective's statistic, and adjust the p-values as one family.
+
+    Args:
+        entries: who.
+        percentile: the statistic; None is the mean.
+    """
     couples = list(itertools.combinations(range(len(entries)), 2))
     found = [_differences(entries[one].runs, entries[other].runs) for one, other in couples]
-    adjusted = iter(holm(np.array([difference.p for each in found for difference in each.values()])).tolist())
+    shifts = [Shift.of(entries[one].counted, entries[other].counted, percentile) for one, other in couples]
+    alone = [
+        [*(difference.p for difference in differences.values()), shift.p]
+        for differences, shift in zip(found, shifts, strict=True)
+    ]
+    adjusted = iter(holm(np.ravel(alone)).tolist())
     return tuple(
-        Pair(places, differences, {name: next(adjusted) for name in differences})
-        for places, differences in zip(couples, found, strict=True)
+        Pair(places, differences, shift, {name: next(adjusted) for name in (*differences, STATISTIC)})
+        for places, differences, shift in zip(couples, found, shifts, strict=True)
     )
 
 
@@ -193,7 +209,8 @@ def ranking_of(entries: Sequence[Judged], pairs: Sequence[Pair], objective: str,
             gained = a.verdict.success.share - b.verdict.success.share
             return gained >= SHARE and pair.better(one, "failed")
         enough = SHARE * a.score.value if objective.startswith("delta_v") else period * (1.0 - 1e-9)
-        return b.score.value - a.score.value >= enough and pair.better(one, OBJECTIVES[objective])
+        shown = pair.better(one, OBJECTIVES[objective]) and pair.adjusted[STATISTIC] < SIGNIFICANT
+        return b.score.value - a.score.value >= enough and shown
 
     return rank([entry.scores for entry in entries], distinct)
 
@@ -206,7 +223,7 @@ class Comparison:
         scenario: that was given.
         plan: how the entries were compared.
         entries: in the order given.
-        bounds: (runs,) s, lower bound of the capture time of each held-out run; None where it was left out.
+        bounds: (runs,) s, lower bound of the capture time of each held-out run.
         pairs: of all entries, by place.
         ranking: the order, by place.
     """
@@ -214,7 +231,7 @@ class Comparison:
     scenario: Scenario
     plan: Plan
     entries: tuple[Judged, ...]
-    bounds: Array | None
+    bounds: Array
     pairs: tuple[Pair, ...]
     ranking: Ranking
 
@@ -263,6 +280,11 @@ class Comparison:
                     **{
                         name: {**difference.to_json(), "p_holm": pair.adjusted[name]}
                         for name, difference in pair.differences.items()
+                    },
+                    STATISTIC: {
+                        "difference": pair.shift.value,
+                        "p": pair.shift.p,
+                        "p_holm": pair.adjusted[STATISTIC],
                     },
                 }
                 for pair in self.pairs

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from detumble import __version__
 from detumble.analysis.trials import Trials
-from detumble.analysis.tuning.gains import natural_of
+from detumble.analysis.tuning.gains import mean_acceleration
 from detumble.analysis.tuning.horizon import default_horizon
 from detumble.campaigns.recipe import arithmetic
 from detumble.errors import RequestError
@@ -121,7 +121,7 @@ class Flights:
         self.space = space
         self.horizon = horizon
         self.objectives = objectives
-        acceleration = natural_of(space.base, "translation").acceleration
+        acceleration = mean_acceleration(space.base)
         self.ceilings = np.array([objective.ceiling(horizon, acceleration) for objective in objectives])
         self.points = np.empty((0, len(space.tunables)))
         self.outcomes = np.empty((0, len(objectives) + 1))

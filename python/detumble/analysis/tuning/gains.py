@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,13 +133,8 @@ def natural_of(scenario: Scenario, channel: str, r: float = 1.0) -> Natural:
         RequestError: the channel has no limit on any axis.
     """
     after = channel.startswith("stack.")
-    actuators, kind = scenario.actuators, "force" if channel.endswith("translation") else "torque"
-    limits = np.multiply(axes(getattr(actuators, f"{kind}_limit")), axes(getattr(actuators, f"{kind}_gain")))
-    if not np.isfinite(limits).any():
-        raise RequestError(
-            f"actuators.{kind}_limit: infinite on every axis; ranges of gains are measured by it: give a finite one"
-        )
-    weakest = float(limits[np.isfinite(limits)].min())
+    kind: Literal["force", "torque"] = "force" if channel.endswith("translation") else "torque"
+    weakest = float(_limits(scenario, kind).min())
     body = "stack" if after else "chaser"
     if kind == "torque":
         inertia = design(f"{body}_inertia", scenario.at) if after else tensor(scenario.chaser.inertia)
@@ -148,6 +143,28 @@ def natural_of(scenario: Scenario, channel: str, r: float = 1.0) -> Natural:
     mass = design(f"{body}_mass", scenario.at)
     length = scenario.capture.distance if after else max(_distance(scenario), scenario.capture.distance)
     return Natural(mass, weakest / mass, length, r)
+
+
+def mean_acceleration(scenario: Scenario) -> float:
+    """Give the mean over the axes of the most that each accelerates the chaser, m/s².
+
+    Raises:
+        RequestError: force is limited on no axis.
+    """
+    mass: float = design("chaser_mass", scenario.at)
+    return float(_limits(scenario, "force").mean()) / mass
+
+
+def _limits(scenario: Scenario, kind: Literal["force", "torque"]) -> Array:
+    """What the actuators give on each axis, (3,); an infinite limit counts as the largest finite one."""
+    actuators = scenario.actuators
+    limits = np.multiply(axes(getattr(actuators, f"{kind}_limit")), axes(getattr(actuators, f"{kind}_gain")))
+    finite = limits[np.isfinite(limits)]
+    if not finite.size:
+        raise RequestError(
+            f"actuators.{kind}_limit: infinite on every axis; ranges of gains are measured by it: give a finite one"
+        )
+    return np.where(np.isfinite(limits), limits, finite.max())
 
 
 def _distance(scenario: Scenario) -> float:

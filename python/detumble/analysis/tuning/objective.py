@@ -2,8 +2,8 @@
 
 Each run i that succeeded has a value v_i: the capture time, that and the settling time, the Δv to capture, or all of the Δv. A
 success is the campaign's: captured, and settled where the bodies merge and the flight does not end at capture. No value counts
-for more than the ceiling C, and a run that failed counts for C: the horizon for times; for Δv all three axes at the weakest
-axis' full acceleration for the whole horizon.
+for more than the ceiling C, and a run that failed counts for C: the horizon for times; for Δv all three axes at
+full acceleration for the whole horizon.
 
     J = S(v_i)                            where the share of successes is at least the required one; so J ≤ C
     J = C (1 + (required - share) + g)    where it is not; so J > C
@@ -122,7 +122,7 @@ class Objective:
 
         Args:
             horizon: s.
-            acceleration: the most that the weakest axis gives, m/s².
+            acceleration: the most that an axis gives, the mean of all three, m/s².
         """
         return 3.0 * acceleration * horizon if self.unit == "m/s" else horizon
 

@@ -135,8 +135,14 @@ class Record:
 def _parsed(path: Path, number: int, line: bytes) -> dict[str, Any]:
     try:
         read: dict[str, Any] = json.loads(line)
-        if not isinstance(read, dict) or (number > 1 and len(read["points"]) != len(read["outcomes"])):
+        if not isinstance(read, dict):
             raise ValueError("is no record of a search")
+        if number > 1:
+            points, outcomes = (np.array(read[name], float) for name in ("points", "outcomes"))
+            if points.ndim != 2 or outcomes.ndim != 2 or len(points) != len(outcomes):
+                raise ValueError("is no list of candidates and what they came to")
+            if not (np.isfinite(points).all() and np.isfinite(outcomes).all()):
+                raise ValueError("holds what is no number")
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise RequestError(f"{path}: line {number}: broken: {error}") from None
     return read

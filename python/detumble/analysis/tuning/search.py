@@ -1,8 +1,9 @@
 """CMA-ES in the unit cube: the covariance matrix adaptation evolution strategy (Hansen 2016, arXiv:1604.00772), by `cma`.
 
-The first descent begins at a given point with a step of 0.2 of the cube. Where one has converged before the budget is used up,
-another begins with twice as many candidates a generation: in turn from the best point so far with a small step, to refine it, and
-from a random point with a large one, to find another valley. Every evaluation counts, and all of the budget is used.
+What gains are worth has several valleys, and a descent finds the bottom of one. The first begins at a given point with a step of
+0.2 of the cube. One that has converged, or that has gained no more than a thousandth in 20 generations, makes room for
+another: in turn from the best point so far with a small step, to refine it, and from the best of some random points, to find
+another valley. Every evaluation counts, and all of the budget is used.
 
 All randomness comes from a generator of its own: nothing depends on, or touches, numpy's global one.
 """
@@ -25,8 +26,10 @@ STEP, REFINING, EXPLORING = 0.2, 0.05, 0.3
 """Standard deviations, in widths of the cube, with which descents begin: the first, from the best, from anywhere."""
 LEAST = 8
 """Candidates in a generation: so many fill the lanes of the core."""
-GROWTH = 8
-"""A generation grows to so many times its first size at most."""
+SCATTERED = 8
+"""Random points for each coordinate, the best of which begins a descent elsewhere."""
+PATIENCE, GAIN = 20, 1e-3
+"""A descent ends when so many generations lessen its best cost by no more than this share."""
 
 
 @dataclass(frozen=True)
@@ -57,26 +60,41 @@ def minimise(evaluate: Evaluate, start: Array, budget: int, seed: int, *, step: 
     """
     dimensions = len(start)
     generator = np.random.default_rng([seed, dimensions])
-    best = Best(start, math.inf)
-    size = max(LEAST, 4 + int(3.0 * math.log(dimensions)))
+    best, left = Best(start, math.inf), budget
+
+    def flown(points: Array) -> Array:
+        nonlocal best, left
+        points = points[:left]
+        costs = evaluate(points)
+        first = int(np.argmin(costs))
+        if costs[first] < best.cost:
+            best = Best(points[first].copy(), float(costs[first]))
+        left -= len(points)
+        return costs
+
     descents = 0
-    while budget > 0:
+    while left > 0:
         origin, width = start, step
-        if descents:
-            origin, width = (best.point, REFINING) if descents % 2 else (generator.random(dimensions), EXPLORING)
-        strategy = _strategy(origin, width, size * min(2**descents, GROWTH), generator)
-        while budget > 0 and not strategy.stop():
+        if descents % 2:
+            origin, width = best.point, REFINING
+        elif descents:
+            scattered = generator.random((SCATTERED * dimensions, dimensions))
+            origin, width = scattered[int(np.argmin(flown(scattered)))], EXPLORING
+        strategy = _strategy(origin, width, max(LEAST, 4 + int(3.0 * math.log(dimensions))), generator)
+        least: list[float] = []
+        while left > 0 and not strategy.stop() and not _stagnant(least):
             asked = strategy.ask()
-            points = np.clip(np.array(asked)[:budget, :dimensions], 0.0, 1.0)
-            costs = evaluate(points)
-            first = int(np.argmin(costs))
-            if costs[first] < best.cost:
-                best = Best(points[first].copy(), float(costs[first]))
-            budget -= len(points)
-            if len(points) == len(asked):
+            costs = flown(np.clip(np.array(asked)[:, :dimensions], 0.0, 1.0))
+            if len(costs) == len(asked):
                 strategy.tell(asked, costs.tolist())
+            least.append(min([float(costs.min()), *least[-1:]]))
         descents += 1
     return best
+
+
+def _stagnant(least: list[float]) -> bool:
+    """Whether a descent gains too little, by its least cost after each generation."""
+    return len(least) > PATIENCE and least[-1 - PATIENCE] - least[-1] <= GAIN * abs(least[-1])
 
 
 def _strategy(origin: Array, step: float, population: int, generator: np.random.Generator) -> Any:

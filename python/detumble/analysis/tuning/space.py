@@ -14,6 +14,7 @@ from detumble.analysis.tuning.gains import CHANNELS, EXPONENT, Tunable, gains_of
 from detumble.campaigns.overlay import overlay
 from detumble.errors import RequestError
 from detumble.scenario.faults import validated
+from detumble.scenario.laws import EXPONENTS
 from detumble.scenario.wording import did_you_mean
 
 if TYPE_CHECKING:
@@ -44,9 +45,12 @@ def space_of(
         fixed: gains that are held, by path; None holds one at what the scenario says.
 
     Raises:
-        RequestError: no such law; no such gain to hold; nothing is left to search for, or it is dispersed; a limit is infinite.
+        RequestError: no such law or form; no such gain to hold; nothing is left to search for, or it is dispersed; a limit is
+            infinite.
         ScenarioError: a held value is none that the gain can have.
     """
+    if form not in (None, "printed", "corrected"):
+        raise RequestError(f"form {form!r}: must be printed or corrected")
     raw = copy.deepcopy(scenario.to_dict())
     laws = raw.setdefault("laws", {})
     if law not in laws:
@@ -66,6 +70,7 @@ def space_of(
         if path not in known:
             raise RequestError(f"{path}: is no gain of {law}{did_you_mean(path, known)}; there are {', '.join(known)}")
         if value is not None:
+            _check_held(law, path, value, table["form"])
             put(table, path, value)
     searched = tuple(tunable for tunable in tunables if tunable.path not in (fixed or {}))
     if not searched:
@@ -76,6 +81,19 @@ def space_of(
                 f"dispersions[{number}].field: {dispersion.field} is drawn at random: it cannot be tuned"
             )
     return Space(validated(raw, scenario.title), law, searched)
+
+
+def _check_held(law: str, path: str, value: float, form: Form) -> None:
+    """Make sure that an exponent is one that the form can have: a scenario checks all other gains, but no p/q.
+
+    Raises:
+        RequestError: it is not.
+    """
+    if not path.endswith(EXPONENT):
+        return
+    low, high = EXPONENTS[form]
+    if not (low <= value <= high and value != 1.0):
+        raise RequestError(f"{path} {value!r}: the {form} form of {law} takes {low:.4g} to {high:.4g}, 1 excluded")
 
 
 def _middle(raw: dict[str, Any], law: str, form: Form) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from detumble.analysis.trials import Trials
 from detumble.analysis.tuning.flights import Flights, Setting, check_whole, header
-from detumble.analysis.tuning.gains import natural_of
+from detumble.analysis.tuning.gains import mean_acceleration
 from detumble.analysis.tuning.objective import Objective
 from detumble.analysis.tuning.provenance import told
 from detumble.analysis.tuning.record import Record
@@ -225,7 +225,7 @@ def held_out(tuned: Tuned, runs: int, seed: int, *, threads: int | None = None) 
         raise RequestError(f"seed {seed}: is that of the search; other runs are needed to judge it")
     check_whole(runs=(runs, 1, 10**9), seed=(seed, 0, MOST_SEED))
     objective = tuned.objective
-    acceleration = natural_of(tuned.initial, "translation").acceleration
+    acceleration = mean_acceleration(tuned.initial)
 
     def worth(scenario: Scenario) -> Worth:
         trials = Trials(scenario, seed, 0, runs, tuned.horizon, objective.end(scenario))

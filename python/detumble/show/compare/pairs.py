@@ -27,7 +27,7 @@ def draw_pairs(comparison: Comparison) -> Figure:
     name, unit, *_ = METRIC_TITLES[OBJECTIVES[comparison.plan.objective.what]]
     size = max(3.4, 0.52 * count + 1.6)
     notes = (
-        f"blue: row significantly better than column, orange: worse, p < {SIGNIFICANT:g} after Holm",
+        f"blue: row better than column in significantly more runs than worse, orange: in fewer, p < {SIGNIFICANT:g} after Holm",
         "framed: the row ranks above the column   ·   beside the names: rank, and letters that entries share which tie",
     )
     figure = sheet(comparison, max(9.5, 1.2 * count + 3.0), size, *notes, legend=False)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from detumble.analysis.comparing.result import Comparison
+    from detumble.analysis.comparing.result import Comparison, Judged
     from detumble.show.series import Array
 
 SIZE = (11.0, 4.6)
@@ -31,22 +31,28 @@ def draw_times(comparison: Comparison) -> Figure:
     _distributions(left, comparison, [judged.runs.capture_time for judged in comparison.entries], bounds)
     left.set_xlabel("capture time [s]")
     left.set_ylabel("share of all runs [–]")
-    if bounds is not None:
-        begin, end = left.get_xlim()
-        time, share = stairs(bounds, end)
-        left.plot(time, share, color=QUIET, linewidth=1.0, zorder=1.6)
-        left.fill_betweenx(share, begin, time, color="#E4E4E4", zorder=1.0)
-        left.set_title("grey: sooner than any controller could", color=QUIET)
-    ratios = [np.where(judged.runs.succeeded, judged.ratios["time"].values, np.inf) for judged in comparison.entries]
-    _distributions(right, comparison, [np.where(np.isnan(ratio), np.inf, ratio) for ratio in ratios], np.ones(1))
+    begin, end = left.get_xlim()
+    time, share = stairs(bounds, end)
+    left.plot(time, share, color=QUIET, linewidth=1.0, zorder=1.6)
+    left.fill_betweenx(share, begin, time, color="#E4E4E4", zorder=1.0)
+    left.set_title("grey: sooner than any controller could", color=QUIET)
+    _distributions(right, comparison, [times_over_least(judged) for judged in comparison.entries], np.ones(1))
     right.set_xlabel("capture time over the least time of that run [–]")
     right.set_title("1: as soon as any controller could", color=QUIET)
     return figure
 
 
-def _distributions(axes: Axes, comparison: Comparison, values: list[Array], least: Array | None) -> None:
+def times_over_least(judged: Judged) -> Array:
+    """Give capture times over the least of each run, (n,): +inf for a run that failed, 1 for one that began captured."""
+    time = judged.runs.capture_time
+    least = np.where(time == 0.0, 1.0, np.inf)  # where drift alone captures
+    ratio = judged.ratios["time"].values
+    return np.where(np.isnan(ratio) | np.isinf(time), least, ratio)
+
+
+def _distributions(axes: Axes, comparison: Comparison, values: list[Array], least: Array) -> None:
     """Draw the distribution of each entry's values, and leave room for what is the least."""
-    known = np.concatenate([*values, *([] if least is None else [least])])
+    known = np.concatenate([*values, least])
     known = known[np.isfinite(known) & (known > 0.0)]
     axes.set_ylim(0.0, 1.0)
     if not known.size:
