@@ -35,7 +35,7 @@ SHOWN = ("capture_time_s", "settling_time_s", "delta_v_to_capture_m_s", "torque_
 class Size:
     """How much is flown."""
 
-    budget: int = 300
+    budget: int = 400
     starts: int = 128
     tunings: int = 3
     runs: int = 100_000

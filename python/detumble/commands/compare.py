@@ -38,8 +38,8 @@ def compare(
     until: Annotated[
         str | None, typer.Option(help="How flights end: settled, captured or duration.  [as the scenario]")
     ] = None,
-    budget: Annotated[int, typer.Option(help="Evaluations of each tuning.")] = 500,
-    starts: Annotated[int, typer.Option(help="Starts that each evaluation flies.")] = 256,
+    budget: Annotated[int, typer.Option(help="Evaluations of each tuning.")] = 800,
+    starts: Annotated[int, typer.Option(help="Starts that each evaluation flies.")] = 128,
     tunings: Annotated[int, typer.Option(help="Independent tunings of each entry; the best is judged.")] = 3,
     horizon: Annotated[float | None, typer.Option(help="Longest flight while tuning, s.  [from the bound]")] = None,
     seed: Annotated[int, typer.Option(help="Seed of the training starts.")] = 0,

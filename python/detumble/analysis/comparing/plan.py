@@ -57,8 +57,8 @@ class Plan:
 
     objective: Objective = field(default_factory=Objective)
     horizon: float | None = None
-    budget: int = 500
-    starts: int = 256
+    budget: int = 800
+    starts: int = 128
     tunings: int = 3
     seed: int = 0
     held_out: int | None = None
