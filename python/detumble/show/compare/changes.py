@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from detumble.show.campaign.frame import QUIET
+from detumble.show.campaign.frame import QUIET, counted
 from detumble.show.compare.frame import looks, sheet
 from detumble.show.style import LIMIT
 
@@ -21,8 +21,11 @@ SIZE = (11.0, 5.6)
 
 def draw_changes(comparison: Comparison) -> Figure:
     """Draw the figure in memory; call it within `styled()`."""
+    flown = counted(min(comparison.plan.robust, comparison.plan.runs), "run")
     figure = sheet(
-        comparison, *SIZE, "one number changed at a time, nothing tuned anew   ·   dashed: as the scenario has it"
+        comparison,
+        *SIZE,
+        f"the first {flown}, one number changed at a time, nothing tuned anew   ·   dashed: as the scenario has it",
     )
     sweeps = [curve.sweep for curve in comparison.entries[0].curves]
     panels = figure.subplots(2, len(sweeps), sharex="col", sharey="row", squeeze=False)
