@@ -21,7 +21,7 @@ from detumble.commands.printing import json_text
 from detumble.scenario.files import load
 from detumble.scenario.laws import LAWS
 from detumble.writing import output_folder, write_text
-from study import alpha, fronts, handover, maps, reach, surfaces
+from study import alpha, fronts, handover, longer, maps, reach, surfaces
 from study.cases import CASES, Case
 from study.claims import Numbers
 from study.page import filled
@@ -44,6 +44,7 @@ class Size:
     front_starts: int = 64
     alpha: int = 300
     alpha_runs: int = 20_000
+    longer: int = 2000
     handover: int = 5000
     field: int = 500
     field_starts: int = 128
@@ -51,7 +52,7 @@ class Size:
     cell_runs: int = 200
 
 
-SMALL = Size(30, 8, 2, 200, 50, 30, 8, 20, 200, 50, 30, 16, 3, 20)
+SMALL = Size(30, 8, 2, 200, 50, 30, 8, 20, 200, 40, 50, 30, 16, 3, 20)
 """To see that everything runs; its numbers mean nothing."""
 
 
@@ -94,6 +95,8 @@ def made(size: Size, page: Path, work: Path) -> Numbers:
         for case in CASES[:2]:
             found[case.key] = alpha.fly(case.scenario, size.alpha, size.starts, size.alpha_runs)
             alpha.draw(found[case.key], f"PRRL-SMC, {case.title}", page / f"alpha-{case.key}.png")
+    with _part(numbers, "longer") as found:
+        found |= longer.fly(CASES[1].scenario, size.longer, size.starts, size.alpha_runs)
     with _part(numbers, "fronts") as found:
         found |= {case.key: fronts.search(case, size.front, size.front_starts) for case in CASES}
         fronts.draw(found, CASES, page / "fronts.png")

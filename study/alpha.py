@@ -11,16 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from detumble.analysis.trials import Trials
 from detumble.analysis.tuning.horizon import default_horizon
 from detumble.analysis.tuning.tuner import tune
 from detumble.scenario import Scenario
 from detumble.show.style import look, new_figure, save, styled
+from study.judging import judged
 
 ALPHAS = (0.1, 0.3, 0.5, 0.7, 0.9)
 TUNINGS = (1, 2, 3)
 """Seeds of the search: one may be lucky."""
-HELD_OUT = 101
 
 
 def fly(scenario: Scenario, budget: int, starts: int, runs: int) -> dict[str, Any]:
@@ -55,8 +54,8 @@ def fly(scenario: Scenario, budget: int, starts: int, runs: int) -> dict[str, An
     return {
         "alpha": list(ALPHAS),
         "horizon_s": horizon,
-        "tuned": [[_judge(one, runs, horizon) for one in tuned[alpha]] for alpha in ALPHAS],
-        "given": [_judge(_with(scenario, alpha), runs, horizon) for alpha in ALPHAS],
+        "tuned": [[judged(one, "prrl", runs, horizon) for one in tuned[alpha]] for alpha in ALPHAS],
+        "given": [judged(_with(scenario, alpha), "prrl", runs, horizon) for alpha in ALPHAS],
     }
 
 
@@ -65,16 +64,6 @@ def _with(scenario: Scenario, alpha: float) -> Scenario:
     assert changed.laws.prrl is not None
     changed.laws.prrl.alpha = alpha
     return changed
-
-
-def _judge(scenario: Scenario, runs: int, horizon: float) -> dict[str, float]:
-    flown = Trials(scenario, HELD_OUT, 0, runs, horizon=horizon).fly("prrl")
-    times = np.where(flown.succeeded[0], flown["capture_time"][0], horizon)
-    return {
-        "mean_s": float(times.mean()),
-        "median_s": float(np.median(times)),
-        "success": float(flown.succeeded.mean()),
-    }
 
 
 def draw(found: dict[str, Any], title: str, path: Path) -> list[Path]:

@@ -94,6 +94,14 @@ def _settled(found: Numbers) -> str:
     return f"{100 * share:.1f} %, {times} s"
 
 
+def _longer(numbers: Numbers) -> str:
+    rows = [
+        (TITLES[law], *(f"{one['mean_s']:.2f} s, {100 * one['success']:.2f} %" for one in searches))
+        for law, searches in numbers["longer"].items()
+    ]
+    return _markdown(("law as printed", *(f"search {number + 1}" for number in range(len(rows[0]) - 1))), rows)
+
+
 def _effort(numbers: Numbers) -> str:
     about = numbers["about"]
     parts = ", ".join(f"{name} {seconds:.0f} s" for name, seconds in about["seconds"].items())
@@ -106,6 +114,7 @@ TABLES: dict[str, Callable[[Numbers], str]] = {
     **{case.key: partial(_comparison, case.key) for case in CASES},
     "handover_given": partial(_handover, "given"),
     "handover_tuned": partial(_handover, "tuned"),
+    "longer": _longer,
     "effort": _effort,
 }
 """By name: each takes the numbers."""
