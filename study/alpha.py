@@ -75,7 +75,7 @@ def draw(found: dict[str, Any], title: str, path: Path) -> list[Path]:
         searches = np.array([[one["mean_s"] for one in row] for row in found["tuned"]])
         axes.plot(
             alphas,
-            searches.min(axis=1),
+            np.median(searches, axis=1),
             color=style.colour,
             marker=style.marker,
             label="tuned at this α, median of three searches",

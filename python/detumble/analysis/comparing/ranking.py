@@ -4,7 +4,8 @@ A score orders entries: those whose success reaches the required share come befo
 objective's statistic decides, among the latter the share of failures. An entry was tuned several times, which gives it a
 score for each tuning, all on held-out runs. A is above B when all of this holds:
 
-1. every tuning of A has a better score than every tuning of B, so that no luck of the search makes the order;
+1. every tuning of A has a better score than every tuning of B. Between equally good entries with k tunings each, luck of the
+   search does that in a share 2 / C(2k, k) of the pairs: one of ten for k = 3, one of 126 for k = 5;
 2. the paired tests of what puts A first are significant in the same direction after Holm's adjustment over all pairs and
    tests: when both reach the required success, that A is ahead in more runs, and that the objective's statistic itself differs
    (see `paired`); else that of success;
