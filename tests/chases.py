@@ -37,8 +37,8 @@ FLAT = replace(BASE, mean_motion=0.0, goal=np.zeros(3))
 TIME_GAP, DELTA_V_GAP = 1e-3, 5e-3
 
 
-def start(r=(0, 0, 0), v=(0, 0, 0), debris_w=(0, 0, 0)):
-    return np.concatenate([np.array(part, float) for part in (r, v, STILL, (0, 0, 0), STILL, debris_w)])
+def start(r=(0, 0, 0), v=(0, 0, 0), q=STILL, w=(0, 0, 0), debris_q=STILL, debris_w=(0, 0, 0)):
+    return np.concatenate([np.array(part, float) for part in (r, v, q, w, debris_q, debris_w)])
 
 
 def random_starts(dice, count, distance, drift):

@@ -9,40 +9,18 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import linprog
 
+import chases
+from chases import A, N, start
 from detumble.analysis.bounds.earliest import minimum_capture_time, minimum_capture_times, minimum_times
 from detumble.analysis.bounds.pursuit import Pursuit, start_of
 from detumble.analysis.bounds.translation import Reach
 from detumble.analysis.bounds.tumble import conjugate, multiply, rotate, tumble
 from detumble.analysis.bounds.turn import Agility, excluded
 
-N = math.sqrt(3.986004418e14 / 7071e3**3)
-A = 0.1 / 9.0
-PERIOD = 0.1
-STILL = np.array([1.0, 0.0, 0.0, 0.0])
-BASE = Pursuit(
-    mean_motion=N,
-    lvlh_attitude=STILL,
-    acceleration=np.full(3, A),
-    torque=np.full(3, 0.01),
-    chaser_inertia=np.diag([0.1, 0.1, 0.05]),
-    debris_inertia=np.diag([0.05, 0.05, 0.08]),
-    goal=np.array([0.0, 0.3, 0.0]),
-    grasp_points=None,
-    from_debris=False,
-    distance=0.5,
-    angle=math.radians(20.0),
-    rate=0.05,
-    speed=math.inf,
-    period=PERIOD,
-    periods=3000,
-    dwell_ticks=0,
-)
+PERIOD = chases.BASE.period
+BASE = replace(chases.BASE, debris_inertia=np.diag([0.05, 0.05, 0.08]), periods=3000)
 FLAT = replace(BASE, mean_motion=0.0, goal=np.zeros(3))
 """No orbit: three double integrators."""
-
-
-def start(r=(0, 0, 0), v=(0, 0, 0), q=STILL, w=(0, 0, 0), debris_q=STILL, debris_w=(0, 0, 0)):
-    return np.concatenate([np.array(part, float) for part in (r, v, q, w, debris_q, debris_w)])
 
 
 def first_tick(seconds):

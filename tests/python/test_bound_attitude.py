@@ -11,38 +11,22 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
+import chases
+from chases import STILL
 from detumble.analysis.bounds.attitude import earliest_attitude
 from detumble.analysis.bounds.pursuit import Pursuit, start_of
 from detumble.analysis.bounds.slew import attitude_bound, first_slew, fly, slew_at_tick
 from detumble.analysis.bounds.tumble import conjugate, multiply, rotate, tumble
 from detumble.errors import RequestError
 
-STILL = np.array([1.0, 0.0, 0.0, 0.0])
-BASE = Pursuit(
-    mean_motion=1e-3,
-    lvlh_attitude=STILL,
-    acceleration=np.full(3, 0.01),
-    torque=np.full(3, 0.01),
-    chaser_inertia=np.diag([0.1, 0.1, 0.05]),
-    debris_inertia=np.diag([0.05, 0.05, 0.08]),
-    goal=np.zeros(3),
-    grasp_points=None,
-    from_debris=False,
-    distance=0.5,
-    angle=math.radians(20.0),
-    rate=0.05,
-    speed=math.inf,
-    period=0.1,
-    periods=3000,
-    dwell_ticks=0,
-)
+BASE = replace(chases.BASE, debris_inertia=np.diag([0.05, 0.05, 0.08]), goal=np.zeros(3), periods=3000)
 SPHERE = replace(BASE, chaser_inertia=0.1 * np.eye(3), torque=np.array([0.01, 0.0, 0.0]))
 """A sphere that can be turned about x alone, by 0.1 rad/s²."""
 UNEVEN = np.array([[0.1, 0.02, 0.01], [0.02, 0.07, -0.01], [0.01, -0.01, 0.06]])
 
 
 def start(q=STILL, w=(0, 0, 0), debris_q=STILL, debris_w=(0, 0, 0)):
-    return np.concatenate([np.array(part, float) for part in ((0, 0, 0), (0, 0, 0), q, w, debris_q, debris_w)])
+    return chases.start(q=q, w=w, debris_q=debris_q, debris_w=debris_w)
 
 
 def unit(vectors):

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import math
-import signal
 import subprocess
 import sys
 from concurrent.futures import CancelledError, ThreadPoolExecutor
@@ -241,7 +240,13 @@ class _Crew:
             command = [sys.executable, "-P", "-c", _WORKER]  # -P: no module of that name in the current folder
             for _ in range(workers):
                 self._workers.append(
-                    subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+                    subprocess.Popen(
+                        command,
+                        stdin=subprocess.PIPE,
+                        stdout=subprocess.PIPE,
+                        text=True,
+                        start_new_session=True,  # Ctrl-C is for whoever asks, also while a worker begins
+                    )
                 )
                 with suppress(OSError):  # one that did not come to life is met again when it is asked
                     _tell(self._workers[-1], json.dumps(asdict(job)))
@@ -285,7 +290,6 @@ def _tell(worker: subprocess.Popen[str], line: str, *, answered: bool = False) -
 
 def serve() -> None:
     """Bound what is asked for, a line of JSON at a time, until nobody asks any more."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever asks decides when it ends
     job = _Job(**json.loads(sys.stdin.readline()))
     for line in sys.stdin:
         print(json.dumps(job.answers(np.array(json.loads(line))).tolist()), flush=True)
