@@ -8,20 +8,19 @@ import sys
 import numpy as np
 import polars as pl
 import pytest
+from scipy.spatial.transform import Rotation
 
-detumble = pytest.importorskip("detumble")
-pytest.importorskip("detumble._core")
-
-from detumble.analysis.bounds.bound import BRACKETED, ENDS, bound  # noqa: E402  # after the skip
-from detumble.analysis.bounds.earliest import minimum_capture_times  # noqa: E402
-from detumble.analysis.bounds.fuel import delta_v_lower  # noqa: E402
-from detumble.analysis.bounds.pursuit import Pursuit  # noqa: E402
-from detumble.analysis.bounds.runs import all_bounds, capture_bounds  # noqa: E402
-from detumble.analysis.trials import Trials  # noqa: E402
-from detumble.campaigns.draws import drawn_scenario  # noqa: E402
-from detumble.scenario.core import case  # noqa: E402
-from detumble.scenario.files import with_settings  # noqa: E402
-from detumble.workload import start_columns  # noqa: E402
+import detumble
+from detumble.analysis.bounds.bound import BRACKETED, ENDS, bound
+from detumble.analysis.bounds.earliest import minimum_capture_times
+from detumble.analysis.bounds.fuel import delta_v_lower
+from detumble.analysis.bounds.pursuit import Pursuit
+from detumble.analysis.bounds.runs import all_bounds, capture_bounds
+from detumble.analysis.trials import Trials
+from detumble.campaigns.draws import drawn_scenario
+from detumble.scenario.core import case
+from detumble.scenario.files import with_settings
+from detumble.workload import start_columns
 
 
 @pytest.fixture
@@ -86,6 +85,39 @@ def test_upper_bound_of_capture_is_flown_by_the_simulator():
         if name == "paper":  # its goal does not depend on how the chaser turns
             assert flight.history["distance"][tick] < chosen.capture.distance
             assert (flight.history["distance"][:tick] >= chosen.capture.distance).all()
+
+
+def test_grasp_points_meet_in_the_capture_behind_the_upper_bound():
+    # geometry written apart: the debris and H as the simulator flies them, rotations by scipy, velocities by differences
+    # a tilted H, a faster tumble and tight thresholds, so that no sign and no frame goes unnoticed
+    settings = ["orbit.lvlh_attitude=[0.5,0.5,-0.5,0.5]", "debris.tumble_rate=[0.08,-0.05,0.06]"]
+    settings += ["capture.distance=0.005", "capture.speed=0.004", "time.duration=60"]
+    scenario = with_settings(detumble.load("twelve_u"), settings)
+    found = bound(scenario).capture
+    tick = round(found.upper / scenario.time.control_period)
+    flight = detumble.simulate(scenario, "none")
+    spans = range(tick - 1, tick + 1)
+
+    def turned(quaternion, point):
+        return Rotation.from_quat(np.roll(quaternion, -1)).apply(point)
+
+    apart = []
+    for at in spans:
+        turn = [0.0, 0.0, scenario.orbit.mean_motion * at * scenario.time.control_period]
+        to_lvlh = (Rotation.from_quat(np.roll(scenario.orbit.lvlh_attitude, -1)) * Rotation.from_rotvec(turn)).inv()
+        debris = to_lvlh.apply(turned(flight.history["debris_attitude"][at], scenario.debris.grasp_point))
+        chaser = to_lvlh.apply(turned(found.slew.attitude[at], scenario.chaser.grasp_point))
+        apart.append(
+            found.transfer.states[np.searchsorted(found.transfer.times, at * 0.1 - 1e-6), :3] + chaser - debris
+        )
+    assert np.linalg.norm(apart[1]) < scenario.capture.distance
+    # the speed half a period before differs by less than the forces give in that time
+    speed = np.linalg.norm((apart[1] - apart[0]) / scenario.time.control_period)
+    assert speed < scenario.capture.speed + 0.002
+    between = turned(found.slew.attitude[tick] * [1, -1, -1, -1], np.eye(3))
+    debris_axes = turned(flight.history["debris_attitude"][tick] * [1, -1, -1, -1], np.eye(3))
+    angle = np.arccos((np.trace(between.T @ debris_axes) - 1.0) / 2.0)
+    assert angle < math.radians(scenario.capture.angle_deg)
 
 
 def test_no_gains_whatever_beat_the_bounds_in_200_random_starts():

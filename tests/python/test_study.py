@@ -9,10 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-pytest.importorskip("detumble._core")
-
 import detumble
-from study import handover, maps, reach, surfaces  # after the skip
+from study import handover, maps, reach, surfaces
 from study.cases import CASES, on_spheres
 from study.claims import claims
 from study.page import TABLES, filled

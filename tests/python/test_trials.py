@@ -3,12 +3,10 @@
 import numpy as np
 import pytest
 
-detumble = pytest.importorskip("detumble")
-pytest.importorskip("detumble._core")
-
-from detumble.analysis.trials import Change, Trials  # noqa: E402  # after the skip
-from detumble.scenario.core import case  # noqa: E402
-from detumble.scenario.faults import validated  # noqa: E402
+import detumble
+from detumble.analysis.trials import Change, Trials
+from detumble.scenario.core import case
+from detumble.scenario.faults import validated
 
 
 @pytest.fixture(scope="module")
