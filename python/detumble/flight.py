@@ -8,11 +8,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
+from detumble.checking import MOST_SEED, whole
 from detumble.compiled import checked_backend, core
-from detumble.errors import RequestError, ScenarioError
+from detumble.errors import ScenarioError
 from detumble.metrics import Metrics
 from detumble.scenario.core import case
-from detumble.scenario.files import load
+from detumble.scenario.files import given
 from detumble.scenario.model import Scenario
 
 if TYPE_CHECKING:
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-MOST_SEED = 2**64 - 1
 MOST_TURN = 0.1
 """Largest turn of a body in one integration step, rad, up to which its rotation is accurate."""
 
@@ -101,7 +101,7 @@ class Flight:
 
 def simulate(
     scenario: Scenario | str | os.PathLike[str],
-    law: str = "prrl",
+    law: str | None = None,
     seed: int = 0,
     *,
     index: int = 0,
@@ -111,7 +111,7 @@ def simulate(
 
     Args:
         scenario: a scenario, or what `load` takes.
-        law: one of `LAWS`, or `none` for open loop.
+        law: one of `LAWS`, or `none` for open loop; None is the only one that the scenario has gains for, else `prrl`.
         seed: of the sensor noise, 0 to 2^64 - 1.
         index: number of the trajectory under that seed: each has its own noise.
         backend: `portable`, `avx2`, `avx512`; None takes the core's choice. Noise does not depend on it.
@@ -123,10 +123,9 @@ def simulate(
         ScenarioError: the scenario cannot be flown.
         RequestError: law, seed or back end cannot be used.
     """
-    scenario = scenario.model_copy(deep=True) if isinstance(scenario, Scenario) else load(scenario)
-    for name, number in (("seed", seed), ("index", index)):
-        if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number <= MOST_SEED:
-            raise RequestError(f"{name} {number!r}: must be a whole number from 0 to 2^64 - 1")
+    scenario = given(scenario)
+    law = scenario.laws.default if law is None else law
+    seed, index = whole("seed", seed, 0, MOST_SEED), whole("index", index, 0, MOST_SEED)
     return flown(scenario, law, seed, index, backend, case(scenario, law))
 
 

@@ -30,7 +30,7 @@ class Lock:
             self._file = path.open("a+b", buffering=0)
         except OSError as error:
             raise RequestError(f"{path}: cannot be written: {reason(error)}") from None
-        if not _locked(self._file.fileno()):
+        if not locked(self._file.fileno()):
             self._file.seek(0)
             owner = self._file.read().decode(errors="replace")
             self._file.close()
@@ -44,7 +44,7 @@ class Lock:
         self._file.close()
 
 
-def _locked(descriptor: int) -> bool:
+def locked(descriptor: int) -> bool:
     """Try to lock; where system or file system know no locks, nothing is locked, and nobody is kept out."""
     try:
         import fcntl

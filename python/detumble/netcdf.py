@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
+import stat
 from dataclasses import asdict
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
 from detumble import __version__
-from detumble.errors import RequestError
+from detumble.checking import MOST_SEED, choice, whole
+from detumble.errors import RequestError, ScenarioError
 from detumble.metrics import METRICS, Metrics
 from detumble.scenario.files import from_toml
+from detumble.scenario.laws import LAWS
 from detumble.variables import AXES, COMPONENTS, VARIABLES
-from detumble.writing import write_bytes
+from detumble.writing import named_file, reason, write_bytes
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from detumble.flight import Flight
 
 
@@ -48,7 +53,7 @@ def dataset(flight: Flight) -> xr.Dataset:
 
 
 def _attributes(flight: Flight) -> dict[str, Any]:
-    return {
+    recipe = {
         "title": flight.scenario.title,
         "law": flight.law,
         "seed": str(flight.seed),
@@ -61,6 +66,44 @@ def _attributes(flight: Flight) -> dict[str, Any]:
         "events": json.dumps([asdict(event) for event in flight.events]),
         "warnings": json.dumps(flight.warnings),
     }
+    return recipe | {DIGEST: digest(flight.history, recipe)}
+
+
+DIGEST = "digest"
+"""Attribute that holds the hash of all others and of every series: a file that was damaged or edited is not read as a flight."""
+
+
+def digest(history: Mapping[str, Any], recipe: Mapping[str, Any]) -> str:
+    """Hash a flight's series and recipe bit by bit: BLAKE2b, 64 hexadecimal digits.
+
+    Args:
+        history: series by name, float64; those of `VARIABLES` and `time` count.
+        recipe: attributes, texts; those of `RECIPE` count.
+    """
+    hashed = hashlib.blake2b(digest_size=32)
+    for name in RECIPE:
+        hashed.update(json.dumps([name, str(recipe[name])]).encode())
+    for name in ("time", *(variable.name for variable in VARIABLES)):
+        values = np.ascontiguousarray(history[name], dtype="<f8")
+        hashed.update(json.dumps([name, values.shape]).encode())
+        hashed.update(values.data)
+    return hashed.hexdigest()
+
+
+RECIPE = (
+    "title",
+    "law",
+    "seed",
+    "index",
+    "backend",
+    "detumble_version",
+    "scenario",
+    "metrics",
+    "metric_definitions",
+    "events",
+    "warnings",
+)
+"""Attributes of the file that are its own."""
 
 
 def write(flight: Flight, path: str | os.PathLike[str]) -> None:
@@ -70,32 +113,56 @@ def write(flight: Flight, path: str | os.PathLike[str]) -> None:
         RequestError: it cannot be written.
     """
     # in memory first: HDF5 crashes when the disk is full
-    write_bytes(Path(path), flight.data.to_netcdf(None, engine="h5netcdf"))
+    write_bytes(named_file(path), flight.data.to_netcdf(None, engine="h5netcdf"))
 
 
 def read(path: str | os.PathLike[str]) -> Flight:
     """Read a flight back.
 
     Raises:
-        RequestError: the file cannot be read, or is no flight.
+        RequestError: the file cannot be read, is no flight, or is not as it was written.
     """
+    name = named_file(path)
+    try:
+        if not stat.S_ISREG(name.stat().st_mode):
+            raise RequestError(f"{name}: is no regular file; a flight is a NetCDF file")
+        with xr.open_dataset(name, engine="h5netcdf") as stored:
+            data = stored.load()
+    except OSError as error:
+        raise RequestError(f"{name}: cannot be read as NetCDF: {reason(error)}") from None
+    except (
+        ValueError,
+        KeyError,
+        TypeError,
+        RuntimeError,
+        AttributeError,
+    ) as error:  # what h5py and xarray make of damage
+        raise RequestError(f"{name}: cannot be read as NetCDF: {' '.join(str(error).split())}") from None
+    missing = [variable.name for variable in VARIABLES if variable.name not in data]
+    missing += [attribute for attribute in (*RECIPE, DIGEST) if attribute not in data.attrs]
+    if missing:
+        raise RequestError(f"{name}: holds no detumble flight (no {', '.join(missing[:3])})")
+    history = {series: data[series].to_numpy() for series in ("time", *(variable.name for variable in VARIABLES))}
+    try:
+        if digest(history, data.attrs) != data.attrs[DIGEST]:
+            raise RequestError(f"{name}: damaged, or changed after it was written")
+        return _flight(data.attrs, history, os.fspath(name))
+    except ScenarioError:
+        raise
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        raise RequestError(f"{name}: holds no detumble flight that this version ({__version__}) can read") from None
+
+
+def _flight(recipe: Mapping[str, Any], history: dict[str, Any], name: str) -> Flight:
     from detumble.flight import Event, Flight
 
-    try:
-        with xr.open_dataset(path, engine="h5netcdf") as stored:
-            data = stored.load()
-    except (OSError, ValueError) as error:
-        raise RequestError(f"{os.fspath(path)}: cannot be read as NetCDF: {error}") from None
-    recipe = data.attrs
-    if "scenario" not in recipe or any(variable.name not in data for variable in VARIABLES):
-        raise RequestError(f"{os.fspath(path)}: holds no detumble flight")
     return Flight(
-        scenario=from_toml(recipe["scenario"], f"{os.fspath(path)} (scenario)"),
-        law=recipe["law"],
-        seed=int(recipe["seed"]),
-        index=int(recipe["index"]),
+        scenario=from_toml(recipe["scenario"], f"{name} (scenario)"),
+        law=choice("law", recipe["law"], (*LAWS, "none")),
+        seed=whole("seed", int(recipe["seed"]), 0, MOST_SEED),
+        index=whole("index", int(recipe["index"]), 0, MOST_SEED),
         backend=recipe["backend"],
-        history={name: data[name].to_numpy() for name in ("time", *(variable.name for variable in VARIABLES))},
+        history=history,
         metrics=Metrics.from_json(json.loads(recipe["metrics"])),
         events=tuple(Event(**event) for event in json.loads(recipe["events"])),
         warnings=tuple(json.loads(recipe["warnings"])),

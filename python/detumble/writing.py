@@ -1,21 +1,33 @@
-"""Files that appear whole or not at all, and folders that are known to take them."""
+"""Files that appear whole or not at all, folders that are known to take them, and reading with a bound."""
 
 from __future__ import annotations
 
 import os
+import stat
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from detumble.errors import RequestError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
+
+before_replacing: ContextVar[Callable[[Path, Path], None] | None] = ContextVar("before_replacing", default=None)
+"""Called with a file's path and its finished content (another path) before it is put in place; may refuse."""
+
+_LONGEST_STEM = 40
+"""Characters of a file's name that the temporary one keeps: both have to fit what a file system allows."""
+_numbers = count()
 
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """Give a temporary path beside `path`; put it in place at the end, or take it away if anything failed.
+    """Give a temporary path beside the file; put it in place at the end, or take it away if anything failed.
+
+    A symbolic link is followed and stays; a file that is replaced keeps its mode and, where the system allows it, its owner.
 
     Args:
         path: where the finished file shall stand.
@@ -24,17 +36,58 @@ def whole_file(path: Path) -> Iterator[Path]:
         The path to write to, with the same ending.
 
     Raises:
-        RequestError: the folder does not take the file.
+        RequestError: the folder does not take the file, or what stands there is no regular file.
     """
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    try:
+        before = _regular(path)
+        place = Path(os.path.realpath(path))
+        named = f".{place.stem[:_LONGEST_STEM]}.{os.getpid()}-{next(_numbers)}{place.suffix[:_LONGEST_STEM]}"
+        temporary = place.with_name(named)
+    except ValueError:
+        raise RequestError(f"{str(path)!r}: is no file name") from None
+    except OSError as error:
+        raise RequestError(f"{path}: cannot be written: {reason(error)}") from None
     try:
         yield temporary
-        temporary.replace(path)
+        if before is not None:
+            _keep_mode(temporary, before)
+        if (refuse := before_replacing.get()) is not None:
+            refuse(place, temporary)
+        temporary.replace(place)
     except OSError as error:
         raise RequestError(f"{path}: cannot be written: {reason(error)}") from None
     finally:
         with suppress(OSError):
             temporary.unlink()
+
+
+def _regular(path: Path) -> os.stat_result | None:
+    """Give what is known of a file that stands there; None where there is none.
+
+    Raises:
+        RequestError: it is a folder, a device, a pipe, or has no name.
+    """
+    if not path.name:
+        raise RequestError(f'"{path}": names no file')
+    try:
+        found = path.stat()
+    except FileNotFoundError:
+        return None
+    if not stat.S_ISREG(found.st_mode):
+        raise RequestError(f"{path}: {_kind(found.st_mode)}; only a regular file is replaced")
+    return found
+
+
+def _kind(mode: int) -> str:
+    kinds = {stat.S_IFDIR: "is a folder", stat.S_IFIFO: "is a pipe", stat.S_IFSOCK: "is a socket"}
+    return kinds.get(stat.S_IFMT(mode), "is a device")
+
+
+def _keep_mode(temporary: Path, before: os.stat_result) -> None:
+    if hasattr(os, "chown"):
+        with suppress(OSError):  # the owner may be somebody else
+            os.chown(temporary, before.st_uid, before.st_gid)
+    temporary.chmod(stat.S_IMODE(before.st_mode))
 
 
 def write_bytes(path: Path, content: bytes | memoryview) -> None:
@@ -46,6 +99,64 @@ def write_bytes(path: Path, content: bytes | memoryview) -> None:
 def write_text(path: Path, text: str) -> None:
     """Write UTF-8 text to `path`, whole or not at all."""
     write_bytes(path, text.encode("utf-8"))
+
+
+def read_bytes(path: Path, most: int) -> bytes:
+    """Read a regular file of at most so many bytes; anything else is refused before it can block or fill the memory.
+
+    Raises:
+        ValueError: the path can be no file's, the file is too large, or it is no regular file; with the reason in words.
+        OSError: it cannot be read.
+    """
+    try:
+        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    except ValueError:
+        raise ValueError("is no file name") from None
+    with os.fdopen(descriptor, "rb") as file:
+        found = os.fstat(file.fileno())
+        if not stat.S_ISREG(found.st_mode):
+            raise ValueError(f"{_kind(found.st_mode)}; needed: a regular file")
+        content = file.read(most + 1) if found.st_size <= most else b""
+    if found.st_size > most or len(content) > most:
+        raise ValueError(f"has {max(found.st_size, len(content))} bytes; at most {most} are read")
+    return content
+
+
+def named_file(name: str | os.PathLike[str]) -> Path:
+    """Give the path of a file to write.
+
+    Raises:
+        RequestError: it is no path.
+    """
+    try:
+        text = os.fspath(name)
+    except TypeError:
+        text = None
+    if not isinstance(text, str) or not text.strip() or "\0" in text:
+        raise RequestError(f"path {name!r}: names no file")
+    return Path(text)
+
+
+def named_folder(name: str | os.PathLike[str], argument: str) -> Path:
+    """Give the folder that an argument names, as an absolute path: the current folder may change later.
+
+    Args:
+        name: of the folder.
+        argument: that holds it, for the message: `out`, `--out`.
+
+    Raises:
+        RequestError: it has no name (as a path that would be the current folder), or is no path.
+    """
+    try:
+        text = os.fspath(name)
+    except TypeError:
+        raise RequestError(f"{argument} {name!r}: must be the path of a folder") from None
+    if not isinstance(text, str) or not text.strip() or "\0" in text:
+        raise RequestError(f'{argument} {text!r}: names no folder; the current one is "."')
+    try:
+        return Path(text).absolute()
+    except OSError as error:
+        raise RequestError(f"{argument} {text}: cannot be used: the current folder is gone ({reason(error)})") from None
 
 
 @contextmanager
@@ -74,6 +185,8 @@ def output_folder(path: Path | None) -> Iterator[None]:
             probe.unlink()
         except OSError as error:
             raise RequestError(f"{path}: cannot be used as an output folder: {reason(error)}") from None
+        except ValueError:
+            raise RequestError(f"{str(path)!r}: is no folder's name") from None
         yield
     except BaseException:
         for folder in created:

@@ -21,18 +21,19 @@ from detumble.campaigns.result import CampaignResult, Effort
 from detumble.campaigns.shard import frame_of
 from detumble.campaigns.statistics import Statistics
 from detumble.campaigns.store import Store
+from detumble.checking import MOST_SEED, real, whole
 from detumble.compiled import checked_backend
 from detumble.errors import RequestError
-from detumble.flight import MOST_SEED
 from detumble.scenario.core import case
-from detumble.scenario.files import load
-from detumble.scenario.model import Scenario
+from detumble.scenario.files import given
+from detumble.writing import named_folder
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from detumble.campaigns.crews import Crew, Promise
     from detumble.campaigns.flying import Flown
+    from detumble.scenario.model import Scenario
 
 _PATIENCE = 0.1
 """Seconds between two looks at work in progress."""
@@ -69,7 +70,7 @@ class Unwatched:
 
 def campaign(
     scenario: Scenario | str | os.PathLike[str],
-    law: str = "prrl",
+    law: str | None = None,
     runs: int = 1000,
     seed: int = 0,
     out: str | os.PathLike[str] | None = None,
@@ -87,7 +88,7 @@ def campaign(
 
     Args:
         scenario: a scenario, or what `load` takes.
-        law: one of `LAWS`, or `none` for open loop.
+        law: one of `LAWS`, or `none` for open loop; None is the only one that the scenario has gains for, else `prrl`.
         runs: how many. Run i is the same run whatever their number.
         seed: of all random numbers, 0 to 2^64 - 1.
         out: folder for the runs; None keeps them in a temporary one as long as the process lives.
@@ -107,8 +108,18 @@ def campaign(
         ScenarioError: the scenario cannot be flown.
         RequestError: an argument cannot be used, the folder does not take the runs, or holds another campaign.
     """
-    scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
-    _check(runs, seed, shard, until_ci, threads, local_cluster, scheduler)
+    scenario = given(scenario)
+    law = scenario.laws.default if law is None else law
+    runs, seed, shard = (
+        whole("runs", runs, 1, 10**12),
+        whole("seed", seed, 0, MOST_SEED),
+        whole("shard", shard, 1, 10**6),
+    )
+    threads = None if threads is None else whole("threads", threads, 1, 4096)
+    local_cluster = None if local_cluster is None else whole("local_cluster", local_cluster, 1, 4096)
+    until_ci = None if until_ci is None else real("until_ci", until_ci, above=0.0, most=0.5)
+    if sum(given is not None for given in (threads, local_cluster, scheduler)) > 1:
+        raise RequestError("threads, scheduler and local_cluster: at most one of them says who flies")
     case(scenario, law)
     recipe = Recipe(scenario.to_toml(), law, seed, shard=shard, arithmetic=arithmetic(checked_backend(backend)))
     watcher = watcher or Unwatched()
@@ -120,27 +131,6 @@ def campaign(
         if out is None:
             atexit.register(shutil.rmtree, folder, ignore_errors=True)
         return CampaignResult(Store.open(folder), statistics, effort)
-
-
-def _check(
-    runs: int,
-    seed: int,
-    shard: int,
-    until_ci: float | None,
-    threads: int | None,
-    local_cluster: int | None,
-    scheduler: str | None,
-) -> None:
-    whole = {"runs": (runs, 1, 10**12), "seed": (seed, 0, MOST_SEED), "shard": (shard, 1, 10**6)}
-    whole |= {"threads": (threads, 1, 4096)} if threads is not None else {}
-    whole |= {"local_cluster": (local_cluster, 1, 4096)} if local_cluster is not None else {}
-    for name, (number, least, most) in whole.items():
-        if isinstance(number, bool) or not isinstance(number, int) or not least <= number <= most:
-            raise RequestError(f"{name} {number!r}: must be a whole number from {least} to {most}")
-    if until_ci is not None and not 0.0 < until_ci < 0.5:
-        raise RequestError(f"until_ci {until_ci!r}: must lie between 0 and 0.5, a half width of a probability")
-    if sum(choice is not None for choice in (threads, local_cluster, scheduler)) > 1:
-        raise RequestError("threads, scheduler and local_cluster: at most one of them says who flies")
 
 
 def _crew(threads: int | None, scheduler: str | None, local_cluster: int | None, backend: str | None) -> Crew:
@@ -155,7 +145,7 @@ def _crew(threads: int | None, scheduler: str | None, local_cluster: int | None,
 def _folder(out: str | os.PathLike[str] | None) -> Iterator[Path]:
     """Give the folder of the runs; a temporary one goes with a campaign that fails."""
     if out is not None:
-        yield Path(out)
+        yield named_folder(out, "out")
         return
     temporary = Path(mkdtemp(prefix="detumble-"))
     try:

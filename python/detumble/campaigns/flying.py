@@ -21,6 +21,7 @@ from detumble.campaigns.rows import (
     cause,
     drawn_names,
 )
+from detumble.checking import met, plain
 from detumble.compiled import core
 from detumble.errors import RequestError, ScenarioError
 from detumble.scenario.core import case
@@ -157,6 +158,7 @@ def checked_index(index: int, runs: int) -> int:
     Raises:
         RequestError: it has no such run.
     """
-    if not 0 <= index < runs:
-        raise RequestError(f"run {index}: the campaign has runs 0 to {runs - 1}")
-    return index
+    number = plain(index)
+    if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < runs:
+        raise RequestError(f"run {met(index)}: the campaign has runs 0 to {runs - 1}")
+    return number

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from detumble.checking import real, whole
+
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
@@ -57,7 +59,14 @@ class Proportion:
 
     @classmethod
     def of(cls, count: int, runs: int, confidence: float = 0.95) -> Proportion:
-        """Count `count` of `runs`, with the interval of Clopper and Pearson."""
+        """Count `count` of `runs`, with the interval of Clopper and Pearson.
+
+        Raises:
+            RequestError: these are no such counts, or the confidence lies not between 0 and 1.
+        """
+        runs = whole("runs", runs, 0, 2**63)
+        count = whole("count", count, 0, runs)
+        confidence = real("confidence", confidence, above=0.0, most=1.0 - 1e-12)
         low, high = clopper_pearson(count, runs, confidence)
         return cls(count, runs, count / runs if runs else math.nan, float(low), float(high))
 

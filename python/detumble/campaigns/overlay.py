@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from detumble.scenario.laws import Prrl
     from detumble.scenario.model import Scenario
 
 Array = NDArray[np.float64]
@@ -94,11 +95,17 @@ def _gains(scenario: Scenario, law: str, path: str) -> list[str]:
     if owner != law:
         return []
     if rest == "alpha":
-        return [
-            f"law.{phase}.{channel}.alpha" for phase in ("before", "after") for channel in ("translation", "rotation")
-        ]
+        return [f"law.{phase}.{channel}.alpha" for phase, channel in _sharing(getattr(scenario.laws, law))]
     if rest.startswith("stack."):
         return [f"law.after.{rest.removeprefix('stack.')}"]
     stack = getattr(scenario.laws, law).stack
     own_set_after = stack is not None and getattr(stack, rest.partition(".")[0]) is not None
     return [f"law.before.{rest}"] + ([] if own_set_after else [f"law.after.{rest}"])
+
+
+def _sharing(law: Prrl) -> list[tuple[str, str]]:
+    """Name phase and channel of the gains that have no alpha of their own."""
+    places = [(phase, channel) for phase in ("before", "after") for channel in ("translation", "rotation")]
+    own = {channel: law.at(channel) for _, channel in places}
+    stack = {channel: law.at(f"stack.{channel}") or own[channel] for _, channel in places}
+    return [place for place in places if (own if place[0] == "before" else stack)[place[1]].alpha is None]

@@ -12,6 +12,7 @@ from detumble.campaigns import draws
 from detumble.campaigns.inputs import drawn_columns, inputs
 from detumble.campaigns.rows import SUCCEEDED, drawn_names
 from detumble.errors import RequestError
+from detumble.results import results_folder
 from detumble.scenario.dispersions.fitting import fields
 from detumble.scenario.wording import did_you_mean, pretty
 from detumble.show.campaign import (
@@ -69,7 +70,7 @@ def draw(result: CampaignResult, over: Sequence[str], target: float | None) -> l
     rows = rows.select(SUCCEEDED.name, *drawn_columns(rows.collect_schema().names()))
     table = rows.collect()
     varying, _ = inputs(table, scenario)
-    with output_folder(folder):
+    with results_folder(result.folder, ["figures/*.png"]), output_folder(folder):
         settled = {law: statistics.ecdf("settled_time_s")} if scenario.capture.merge and law != "none" else {}
         files = [
             capture_times({law: statistics.ecdf("capture_time_s")}, settled, caption, folder / "capture-times.png"),

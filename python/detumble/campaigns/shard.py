@@ -1,8 +1,8 @@
 """The file of a shard: rows as Parquet, checked to the bit, readable by anything that reads Parquet.
 
-Its key-value metadata name the campaign's identity, the shard, its first run, its rows, and the units (JSON); `digest`
-hashes the rows alone, whatever the compression, and `checksum` all bytes of the file. NaN, which stands for what did not
-happen, is null.
+Its key-value metadata name the campaign's identity, the shard, its first run, its rows, and units and meanings of its columns
+(JSON, by name); `digest` hashes the rows alone, whatever the compression, and `checksum` all bytes of the file. NaN, which
+stands for what did not happen, is null.
 """
 
 from __future__ import annotations
@@ -124,6 +124,7 @@ def encode(frame: pl.DataFrame, campaign: str, number: int, first: int) -> bytes
         "first": str(first),
         "rows": str(frame.height),
         "units": json.dumps({name: column(name).unit for name in frame.columns}),
+        "meanings": json.dumps({name: column(name).meaning for name in frame.columns}, ensure_ascii=False),
         "digest": digest(frame),
         "checksum": f"blake2b:{2 * _BLANK.decode()}",
     }

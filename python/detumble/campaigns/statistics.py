@@ -16,6 +16,7 @@ from detumble.campaigns.intervals import Proportion
 from detumble.campaigns.rows import CAUSES, SCALARS
 from detumble.campaigns.sketch import Histogram, LogHistogram, TickHistogram
 from detumble.campaigns.summaries import Ecdf, Summary
+from detumble.checking import choice
 
 if TYPE_CHECKING:
     from detumble.campaigns.intervals import Array
@@ -120,7 +121,7 @@ class Statistics:
         Args:
             name: one of `TIMES` or `EXTENTS`.
         """
-        return Summary.of(self._histograms[name], self.confidence)
+        return Summary.of(self._histograms[choice("quantity", name, self._histograms)], self.confidence)
 
     def ecdf(self, name: str) -> Ecdf:
         """Give the distribution of a quantity over all runs: a run in which it does not exist never gets there.
@@ -128,7 +129,7 @@ class Statistics:
         Args:
             name: one of `TIMES` or `EXTENTS`.
         """
-        return Ecdf.of(self._histograms[name], self.runs, self.confidence)
+        return Ecdf.of(self._histograms[choice("quantity", name, self._histograms)], self.runs, self.confidence)
 
     def convergence(self) -> Convergence:
         """Follow the probability of success along the runs in order of index: see `Prefixes.curve`."""

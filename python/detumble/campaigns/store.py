@@ -24,10 +24,10 @@ import polars as pl
 from detumble import __version__
 from detumble.campaigns.manifest import FORMAT, MANIFEST, Manifest, differences, read_manifest
 from detumble.campaigns.rows import INDEX
-from detumble.campaigns.shard import Damage, decode, encode
+from detumble.campaigns.shard import Damage, decode, encode, rows_in
 from detumble.errors import RequestError
 from detumble.locking import Lock
-from detumble.writing import output_folder, reason, whole_file
+from detumble.writing import named_folder, output_folder, reason, whole_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -73,7 +73,7 @@ class Store:
             RequestError: the folder takes no files, holds another campaign, holds this one and `resume` is not set, or
                 another process is flying it.
         """
-        folder = Path(folder)
+        folder = named_folder(folder, "folder")
         with output_folder(folder):
             lock = Lock(folder, "flying this campaign")
             try:
@@ -90,7 +90,8 @@ class Store:
         Raises:
             RequestError: there is none, or its manifest cannot be used.
         """
-        return cls(Path(folder), read_manifest(Path(folder)))
+        named = named_folder(folder, "folder")
+        return cls(named, read_manifest(named))
 
     @property
     def recipe(self) -> Recipe:
@@ -117,7 +118,7 @@ class Store:
 
     def path(self, number: int) -> Path:
         """Say where a shard stands."""
-        return self.folder / "shards" / f"shard-{number:06}.parquet"
+        return _shard(self.folder, number)
 
     def write(self, number: int, frame: pl.DataFrame) -> None:
         """Write a shard, whole or not at all; an older one is replaced.
@@ -210,6 +211,11 @@ def _begun(folder: Path, recipe: Recipe, runs: int, about: dict[str, Any], resum
             raise RequestError(f"{folder}: holds another campaign ({differences(before.recipe, recipe)})")
         if not resume:
             raise RequestError(f"{folder}: holds this campaign already, of {before.runs} runs; --resume continues it")
+        flown = _flown(folder, before)
+        if runs < flown:
+            raise RequestError(
+                f"{folder}: holds {flown} runs, more than the {runs} asked for: with --resume ask for at least as many"
+            )
     elif shards.is_dir() and any(shards.iterdir()):
         raise RequestError(f"{shards}: not empty, but there is no {MANIFEST} that says what it holds")
     try:
@@ -228,6 +234,24 @@ def _begun(folder: Path, recipe: Recipe, runs: int, about: dict[str, Any], resum
     if manifest != before:
         _write(folder / MANIFEST, manifest.text().encode())
     return manifest
+
+
+def _shard(folder: Path, number: int) -> Path:
+    return folder / "shards" / f"shard-{number:06}.parquet"
+
+
+def _flown(folder: Path, manifest: Manifest) -> int:
+    """Count the runs that a campaign has, from the first on without a gap; what is damaged counts as missing."""
+    recipe, runs = manifest.recipe, 0
+    for number in range(recipe.shards(manifest.runs)):
+        try:
+            rows = rows_in(_shard(folder, number), recipe.identity, number)
+        except (FileNotFoundError, Damage):
+            break
+        runs += rows
+        if rows < recipe.shard:
+            break
+    return runs
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from detumble.commands.printing import remark
 from detumble.errors import RequestError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from detumble.scenario.model import Scenario
 
 
 def folder(text: str) -> Path:
@@ -16,6 +23,27 @@ def folder(text: str) -> Path:
     if not text.strip():
         raise RequestError('--out "": names no folder; the current one is "."')
     return Path(text)
+
+
+def scenario_of(name: str, settings: Sequence[str], *, quiet: bool = False) -> Scenario:
+    """Read the scenario that a command was given, with the fields changed that were set there.
+
+    Args:
+        name: of a built-in scenario, or the path of a file.
+        settings: `field=value` each.
+        quiet: leave what ought to be looked at again to the command, which says it of the flight.
+
+    Raises:
+        ScenarioError: it cannot be read, or contradicts itself.
+    """
+    from detumble.scenario.files import load, with_settings
+
+    scenario = load(name)
+    if settings:
+        scenario = with_settings(scenario, settings, name)
+    for warning in () if quiet else scenario.warnings:
+        remark(f"warning: {warning}")
+    return scenario
 
 
 def percentile(statistic: str) -> float | None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from detumble.commands.arguments import folder
+from detumble.commands.arguments import folder, scenario_of
 from detumble.commands.bounds_of_runs import bounds_of_runs, summary, text_of_runs, write_runs
 from detumble.commands.printing import fixed, json_text, print_json, remark, table
 from detumble.errors import RequestError
@@ -18,17 +18,23 @@ if TYPE_CHECKING:
     from detumble.scenario.model import Scenario
 
 
+FILES = ("bound.json", "bounds.parquet", "scenario.toml", "bound.png", "bound.svg", "*.csv")
+"""Patterns of what is written into --out."""
+
+
 def bound(
     scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")],
     more: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")] = None,
     within: Annotated[
         float | None, typer.Option(metavar="SECONDS", help="Least Δv to capture within this time.  [the duration]")
     ] = None,
-    runs: Annotated[int, typer.Option(help="Bound so many runs of the campaign instead, about two seconds each.")] = 0,
+    runs: Annotated[
+        int | None, typer.Option(help="Bound so many runs of the campaign instead, about two seconds each.")
+    ] = None,
     quick: Annotated[
         bool, typer.Option("--quick", help="With --runs: the lower bound of the capture time alone, milliseconds each.")
     ] = False,
-    seed: Annotated[int, typer.Option(help="Seed of the campaign.")] = 0,
+    seed: Annotated[int | None, typer.Option(help="Seed of the campaign.  [0]")] = None,
     settings: Annotated[
         list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
     ] = None,
@@ -39,16 +45,14 @@ def bound(
 ) -> None:
     """Bound what any controller could do: the fastest capture, the least Δv, the least time to detumble."""
     from detumble.analysis.bounds.bound import bound as bounds_of
-    from detumble.scenario.files import load, with_settings
-    from detumble.writing import output_folder
+    from detumble.results import results_folder
 
-    chosen = load(scenario)
-    if settings or more:
-        chosen = with_settings(chosen, [*(settings or ()), *(more or ())], scenario)
-    if (quick or seed) and not runs:
+    if (quick or seed is not None) and runs is None:
         raise RequestError("--quick and --seed: need --runs, the number of runs of the campaign")
-    with output_folder(out):
-        if runs:
+    chosen = scenario_of(scenario, [*(settings or ()), *(more or ())])
+    with results_folder(out, FILES, scenario):
+        if runs is not None:
+            seed = 0 if seed is None else seed
             values = bounds_of_runs(chosen, runs, seed, within, quick)
             files = write_runs(chosen, values, out) if out else []
             result, text = summary(values) | {"runs": runs, "seed": seed}, text_of_runs(chosen, values, seed)

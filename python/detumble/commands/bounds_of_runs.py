@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from detumble.commands.printing import fixed, table
-from detumble.errors import RequestError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,12 +30,10 @@ def bounds_of_runs(scenario: Scenario, runs: int, seed: int, within: float | Non
     from detumble.analysis.bounds.pursuit import Pursuit
     from detumble.analysis.bounds.runs import all_bounds, capture_bounds
     from detumble.analysis.trials import Trials
+    from detumble.checking import MOST_SEED, whole
     from detumble.commands.progress import Line
-    from detumble.flight import MOST_SEED
 
-    for name, number, least, most in (("runs", runs, 1, 10**7), ("seed", seed, 0, MOST_SEED)):
-        if not least <= number <= most:
-            raise RequestError(f"{name} {number}: must be a whole number from {least} to {most}")
+    runs, seed = whole("runs", runs, 1, 10**7), whole("seed", seed, 0, MOST_SEED)
     trials = Trials(scenario, seed, 0, runs)
     until = time_within(Pursuit.of(trials.nominal("none")), within)
     with Line(None) as line:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from detumble.commands.arguments import folder
+from detumble.commands.arguments import folder, scenario_of
 from detumble.commands.printing import fixed, json_text, print_json, remark, table
 from detumble.errors import RequestError
 
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from detumble.campaigns.statistics import Statistics
     from detumble.scenario.model import Scenario
 
+FILES = ("summary.json", "figures/*.png")
+"""Patterns of what is written into --out beside the runs."""
 DEFAULT_RUNS = 1000
 MOST_RUNS = 1_000_000
 """Unless told otherwise, until the interval is narrow enough."""
@@ -31,7 +33,10 @@ def campaign(
     scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")],
     out: Annotated[Path, typer.Option(parser=folder, metavar="DIR", help="Folder of the campaign.")],
     more: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")] = None,
-    law: Annotated[str, typer.Option(help="pd, lqr, sosmc, tsmc, prrl, or none for open loop.")] = "prrl",
+    law: Annotated[
+        str | None,
+        typer.Option(help="pd, lqr, sosmc, tsmc, prrl, or none for open loop.  [prrl, or the only one given]"),
+    ] = None,
     runs: Annotated[
         int | None, typer.Option(help="Number of runs; with --until-ci the most to fly.  [1000, or 1000000]")
     ] = None,
@@ -62,12 +67,11 @@ def campaign(
     """Fly a scenario many times and say how surely, how fast and at what cost it captures."""
     from detumble.campaigns.campaign import campaign as fly
     from detumble.commands.progress import Progress
-    from detumble.scenario.files import load, with_settings
+    from detumble.results import refuse_foreign, results_folder
     from detumble.writing import write_text
 
-    chosen = load(scenario)
-    if settings or more:
-        chosen = with_settings(chosen, [*(settings or ()), *(more or ())], scenario)
+    chosen = scenario_of(scenario, [*(settings or ()), *(more or ())])
+    refuse_foreign(out, FILES, scenario)
     if over and not figures:
         raise RequestError("--map: needs --figures")
     if figures:
@@ -76,7 +80,7 @@ def campaign(
         result = fly(
             chosen,
             law,
-            runs if runs is not None else DEFAULT_RUNS if until_ci is None else MOST_RUNS,
+            _runs(runs, until_ci, out if resume else None),
             seed,
             out,
             threads=threads,
@@ -87,8 +91,9 @@ def campaign(
             backend=backend,
             watcher=progress,
         )
-    write_text(out / "summary.json", json_text(result.to_json()) + "\n")
-    drawn = result.figures(tuple(over or ()), until_ci) if figures else []
+    with results_folder(out, FILES):
+        write_text(out / "summary.json", json_text(result.to_json()) + "\n")
+        drawn = result.figures(tuple(over or ()), until_ci) if figures else []
     if as_json:
         print_json(result.to_json() | {"files": [str(file) for file in drawn]})
     else:
@@ -100,6 +105,17 @@ def campaign(
         )
     for file in drawn:
         remark(f"written: {file}")
+
+
+def _runs(asked: int | None, until_ci: float | None, resumed: Path | None) -> int:
+    """Say how many runs are flown at most: as many as the campaign that is continued was to have, unless told otherwise."""
+    from detumble.campaigns.manifest import MANIFEST, read_manifest
+
+    if asked is not None:
+        return asked
+    if resumed is not None and (resumed / MANIFEST).exists():
+        return read_manifest(resumed).runs
+    return DEFAULT_RUNS if until_ci is None else MOST_RUNS
 
 
 def _check_figures(scenario: Scenario, over: tuple[str, ...]) -> None:

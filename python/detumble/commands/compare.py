@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from detumble.commands.arguments import folder, percentile
+from detumble.commands.arguments import folder, percentile, scenario_of
 from detumble.commands.printing import print_json, remark
 from detumble.errors import RequestError
 
@@ -43,7 +43,8 @@ def compare(
     tunings: Annotated[int, typer.Option(help="Independent tunings of each entry; the best is judged.")] = 3,
     horizon: Annotated[float | None, typer.Option(help="Longest flight while tuning, s.  [from the bound]")] = None,
     seed: Annotated[int, typer.Option(help="Seed of the training starts.")] = 0,
-    held_out: Annotated[int | None, typer.Option(help="Seed of the runs that are judged.  [seed + 1]")] = None,
+    held_out_seed: Annotated[int | None, typer.Option(help="Seed of the runs that are judged.  [seed + 1]")] = None,
+    held_out: Annotated[int | None, typer.Option(hidden=True, help="Old name of --held-out-seed.")] = None,
     runs: Annotated[int, typer.Option(help="Held-out runs of each entry.")] = 100_000,
     robust: Annotated[
         int, typer.Option(help="Of these, how many fly again with something changed; 0 leaves it out.")
@@ -62,14 +63,19 @@ def compare(
     from detumble.analysis.comparing.comparer import compare as work
     from detumble.analysis.comparing.plan import Plan
     from detumble.analysis.comparing.report import text_of
+    from detumble.analysis.comparing.result import FILES
     from detumble.analysis.tuning import Objective
-    from detumble.scenario.files import load, with_settings
+    from detumble.results import refuse_foreign
 
     if resume and out is None:
         raise RequestError("--resume: needs --out, the folder to go on with")
-    chosen = load(scenario)
-    if settings or more:
-        chosen = with_settings(chosen, [*(settings or ()), *(more or ())], scenario)
+    if held_out is not None:
+        if held_out_seed is not None:
+            raise RequestError("--held-out and --held-out-seed: are one option under two names; give the latter")
+        remark("--held-out: is called --held-out-seed here, since --held-out of tune is a number of runs")
+    chosen = scenario_of(scenario, [*(settings or ()), *(more or ())])
+    if out is not None:
+        refuse_foreign(out, FILES, scenario)
     plan = Plan(
         objective=Objective(cast("What", objective), percentile(statistic), required, cast("Until | None", until)),
         horizon=horizon,
@@ -77,7 +83,7 @@ def compare(
         starts=starts,
         tunings=tunings,
         seed=seed,
-        held_out=held_out,
+        held_out=held_out if held_out_seed is None else held_out_seed,
         runs=runs,
         robust=robust,
         as_given=as_given,

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from detumble.flight import Flight
 
 SCENARIO = "paper"
+FILES = ("paper.json", "scenario.toml", "fig*.png", "fig*.svg")
+"""Patterns of what is written into --out."""
 
 
 def paper(
@@ -25,12 +27,12 @@ def paper(
     """Fly the paper's case under its five laws and compare."""
     from detumble.analysis.bounds.earliest import minimum_capture_time
     from detumble.flight import simulate
+    from detumble.results import results_folder
     from detumble.scenario.files import load
     from detumble.scenario.paper import PUBLISHED_CAPTURE_TIMES
-    from detumble.writing import output_folder
 
     scenario = load(SCENARIO)
-    with output_folder(out):
+    with results_folder(out, FILES):
         flights = {law: simulate(scenario, law) for law in PUBLISHED_CAPTURE_TIMES}
         minimum = float(minimum_capture_time(scenario))
         result = {"laws": {law: _numbers(law, flight, minimum) for law, flight in flights.items()}}

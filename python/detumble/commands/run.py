@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from detumble.commands.arguments import folder
+from detumble.commands.arguments import folder, scenario_of
 from detumble.commands.printing import cell, json_text, print_json, remark, table
 from detumble.errors import RequestError
 
 if TYPE_CHECKING:
     from detumble.flight import Flight
 
+FILES = ("flight.nc", "scenario.toml", "metrics.json", "flight.png")
+"""Written into --out."""
 ALWAYS_SHOWN = ("capture_time", "settling_time")
 """That these did not happen is news; that what follows from them did not either is none."""
 
@@ -21,12 +23,15 @@ ALWAYS_SHOWN = ("capture_time", "settling_time")
 def run(
     scenario: Annotated[str | None, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")] = None,
     more: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")] = None,
-    law: Annotated[str | None, typer.Option(help="pd, lqr, sosmc, tsmc, prrl, or none for open loop.  [prrl]")] = None,
+    law: Annotated[
+        str | None,
+        typer.Option(help="pd, lqr, sosmc, tsmc, prrl, or none for open loop.  [prrl, or the only one given]"),
+    ] = None,
     seed: Annotated[int | None, typer.Option(help="Seed of the sensor noise.  [0]")] = None,
     index: Annotated[int, typer.Option(help="Number of the trajectory under that seed: each has its own noise.")] = 0,
     replay: Annotated[
-        str, typer.Option(metavar="DIR:INDEX", help="Fly a run of a campaign again, instead of a scenario.")
-    ] = "",
+        str | None, typer.Option(metavar="DIR:INDEX", help="Fly a run of a campaign again, instead of a scenario.")
+    ] = None,
     settings: Annotated[
         list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
     ] = None,
@@ -38,21 +43,20 @@ def run(
 ) -> None:
     """Fly one scenario once and say what came of it."""
     from detumble.flight import simulate
-    from detumble.scenario.files import load, with_settings
-    from detumble.writing import output_folder
+    from detumble.results import results_folder
 
     changes = [*(settings or ()), *(more or ())]
-    if (scenario is None) == (not replay):
+    if (scenario is None) == (replay is None):
         raise RequestError("run: needs either a scenario or --replay DIR:INDEX")
-    with output_folder(out):
+    with results_folder(out, FILES, scenario or ""):
         if scenario is None:
+            assert replay is not None
             if changes or index or law is not None or seed is not None:
                 raise RequestError("--replay: flies a run as it was; neither law nor seed nor field can be set")
             flight = _again(replay, backend)
         else:
-            chosen = load(scenario)
-            chosen = with_settings(chosen, changes, scenario) if changes else chosen
-            flight = simulate(chosen, law or "prrl", seed or 0, index=index, backend=backend)
+            chosen = scenario_of(scenario, changes, quiet=True)
+            flight = simulate(chosen, law, 0 if seed is None else seed, index=index, backend=backend)
             if chosen.dispersions:
                 remark(f"nominal values flown: {len(chosen.dispersions)} dispersions are for detumble campaign")
         files = _write(flight, out) if out else []
@@ -116,7 +120,7 @@ def _write(flight: Flight, folder: Path) -> list[Path]:
     from detumble.show.flight import flight_figure
     from detumble.writing import write_text
 
-    files = [folder / "flight.nc", folder / "scenario.toml", folder / "metrics.json", folder / "flight.png"]
+    files = [folder / name for name in FILES]
     flight.to_netcdf(files[0])
     write_text(files[1], flight.scenario.to_toml())
     write_text(files[2], json_text(_json(flight, [])) + "\n")

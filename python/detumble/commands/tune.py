@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from detumble.commands.arguments import folder, percentile
+from detumble.commands.arguments import folder, percentile, scenario_of
 from detumble.commands.printing import cell, fixed, json_text, print_json, remark, table
 from detumble.errors import RequestError
 
@@ -21,12 +21,17 @@ if TYPE_CHECKING:
 
 RECORD = "record.jsonl"
 NUMBERS = "tuning.json"
+FILES = ("scenario.toml", NUMBERS, "convergence.png")
+FRONT_FILES = (NUMBERS, "front.csv", "front.png", "point-*.toml")
+"""Patterns of what is written into --out; the record looks after itself."""
 
 
 def tune(
     scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")],
     more: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")] = None,
-    law: Annotated[str, typer.Option(help="pd, lqr, sosmc, tsmc or prrl.")] = "prrl",
+    law: Annotated[
+        str | None, typer.Option(help="pd, lqr, sosmc, tsmc or prrl.  [prrl, or the only one given]")
+    ] = None,
     budget: Annotated[int, typer.Option(help="Number of candidates; each flies from all starts.")] = 2000,
     starts: Annotated[int, typer.Option(help="Runs of the campaign that each candidate flies.")] = 256,
     seed: Annotated[int, typer.Option(help="Seed of these runs.")] = 0,
@@ -43,9 +48,8 @@ def tune(
         float | None, typer.Option(help="Seconds after which a run has failed.  [found from the minimum time]")
     ] = None,
     form: Annotated[str | None, typer.Option(help="printed or corrected.  [as the scenario says]")] = None,
-    stack: Annotated[
-        bool | None, typer.Option("--stack/--one-set", help="Own gains after capture, or one set.  [as the scenario]")
-    ] = None,
+    stack: Annotated[bool, typer.Option("--stack", help="Own gains after capture.  [as the scenario]")] = False,
+    one_set: Annotated[bool, typer.Option("--one-set", help="One set for both.  [as the scenario]")] = False,
     fix: Annotated[
         list[str] | None, typer.Option(metavar="GAIN[=VALUE]", help="Hold a gain: alpha=0.3, translation.kd")
     ] = None,
@@ -63,15 +67,16 @@ def tune(
 ) -> None:
     """Search for a law's gains and say what they are worth."""
     from detumble.analysis.tuning.space import space_of
-    from detumble.scenario.files import load, with_settings
-    from detumble.writing import output_folder
+    from detumble.results import results_folder
 
-    chosen = load(scenario)
-    if settings or more:
-        chosen = with_settings(chosen, [*(settings or ()), *(more or ())], scenario)
+    if stack and one_set:
+        raise RequestError("--stack and --one-set: only one of them can be asked for")
+    chosen = scenario_of(scenario, [*(settings or ()), *(more or ())])
+    law = chosen.laws.default if law is None else law
+    own_set = True if stack else False if one_set else None
     if resume and out is None:
         raise RequestError("--resume: needs --out, the folder of the search to continue")
-    whole = space_of(chosen, law, form=form, stack=stack)  # type: ignore[arg-type]  # checked there
+    whole = space_of(chosen, law, form=form, stack=own_set)  # type: ignore[arg-type]  # checked there
     if show:
         if as_json:
             print_json({"law": law, "gains": _gains_json(whole)})
@@ -85,14 +90,14 @@ def tune(
         "optimiser_seed": optimiser_seed,
         "horizon": horizon,
         "form": form,
-        "stack": stack,
+        "stack": own_set,
         "fixed": _held(fix or (), whole),
         "record": out / RECORD if out else None,
         "resume": resume,
         "threads": threads,
     }
     what: dict[str, Any] = {"percentile": percentile(statistic), "required": required, "until": until}
-    with output_folder(out):
+    with results_folder(out, FRONT_FILES if objective == "pareto" else FILES, scenario):
         if objective == "pareto":
             _pareto(chosen, law, how, what, out, as_json)
         else:
@@ -104,6 +109,8 @@ def _held(fix: Sequence[str], space: Space) -> dict[str, float | None]:
     held: dict[str, float | None] = {}
     for text in fix:
         path, equals, value = text.partition("=")
+        if path in held:
+            raise RequestError(f"--fix {text}: {path} is held already; hold it once")
         if not equals and path in space.own:
             held[path] = None
             continue
@@ -126,11 +133,11 @@ def _single(
 ) -> None:
     from detumble.analysis.tuning import Objective, held_out
     from detumble.analysis.tuning import tune as search
-    from detumble.analysis.tuning.flights import check_whole
+    from detumble.checking import whole
     from detumble.commands.progress import SearchProgress
 
     objective = Objective(**what)
-    check_whole(held_out=(runs, 0, 10**9))
+    runs = whole("--held-out", runs, 0, 10**9)
     with SearchProgress(out, objective.unit) as progress:
         tuned = search(scenario, law, objective=objective, watcher=progress, **how)
     other = (tuned.seed + 1) % 2**64
@@ -144,7 +151,8 @@ def _single(
     if not tuned.feasible:
         remark(
             f"no candidate succeeds in {100 * objective.required:g} % of the starts; "
-            f"the best one does in {100 * tuned.success:.1f} %"
+            f"the best one does in {100 * tuned.success:.1f} % within {tuned.horizon:g} s; --horizon gives them longer, "
+            "--required asks for less"
         )
     _say(files)
 
@@ -163,7 +171,10 @@ def _pareto(
     else:
         print(_front_text(front))
     if not front.points:
-        remark(f"no candidate succeeds in {100 * front.objective.required:g} % of the starts: there is no front")
+        remark(
+            f"no candidate succeeds in {100 * front.objective.required:g} % of the starts within {front.horizon:g} s: there is "
+            "no front; --horizon gives them longer, --required asks for less"
+        )
     _say(files)
 
 
@@ -226,14 +237,11 @@ def _headline(result: Tuned | Front, what: str) -> str:
 
 
 def _text(tuned: Tuned, judged: tuple[Worth, Worth] | None, runs: int, seed: int) -> str:
-    from detumble.analysis.tuning.gains import gains_of
+    from detumble.analysis.tuning.gains import gains_in
     from detumble.analysis.tuning.objective import MEANINGS
 
     law, objective = tuned.law, tuned.objective
-    stack = getattr(tuned.initial.laws, law).stack
-    units = {
-        tunable.path: tunable.unit for tunable in gains_of(law, stack=("translation", "rotation") if stack else ())
-    }
+    units = {tunable.path: tunable.unit for tunable in gains_in(law, tuned.initial.to_dict()["laws"][law])}
     gains = [("gain", "before", "after", "unit")]
     for path, value in tuned.gains.items():
         gains.append((path, cell(tuned.initial_gains[path], 4), cell(value, 4), units[path]))

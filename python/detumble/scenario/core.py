@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from detumble.errors import Fault, RequestError, ScenarioError
-from detumble.scenario.laws import LAWS
+from detumble.checking import choice
+from detumble.errors import Fault, ScenarioError
+from detumble.scenario.laws import LAWS, Prrl, TsmcExponents
 from detumble.scenario.physics import tensor, unit
-from detumble.scenario.wording import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from detumble.scenario.laws import OpenLoop
+    from detumble.scenario.laws import Law, OpenLoop
     from detumble.scenario.model import Scenario
     from detumble.scenario.quantity import Axes
     from detumble.scenario.section import Section
@@ -36,10 +36,7 @@ def case(scenario: Scenario, law: str, *, until_the_end: bool = True) -> Tree:
         RequestError: there is no such law.
         ScenarioError: the scenario contradicts itself, or has no gains for the law.
     """
-    if law not in (*LAWS, "none"):
-        raise RequestError(
-            f"law {law!r}: must be one of {', '.join(LAWS)}, or none for open loop{did_you_mean(law, LAWS)}"
-        )
+    choice("law", law, (*LAWS, "none"))
     scenario.check()
     chaser, debris = scenario.chaser, scenario.debris
     orbit: Tree = {"mean_motion": scenario.orbit.mean_motion, "lvlh_attitude": unit(scenario.orbit.lvlh_attitude)}
@@ -127,7 +124,7 @@ BELIEFS = ("chaser_mass", "chaser_inertia", "stack_mass", "stack_inertia")
 def _belief(scenario: Scenario) -> Tree:
     given = {name: scenario.at(f"belief.{name}") for name in BELIEFS}
     resolved = {name: design(name, scenario.at) if value is None else value for name, value in given.items()}
-    return {name: value if name.endswith("mass") else tensor(value) for name, value in resolved.items()}
+    return {name: value if name.endswith("mass") else tensor(value, rigid=False) for name, value in resolved.items()}
 
 
 def _open_loop(scenario: Scenario) -> Tree:
@@ -153,26 +150,25 @@ def _law(scenario: Scenario, name: str) -> Tree:
         given = [other for other in LAWS if getattr(scenario.laws, other) is not None]
         text = f"missing; this scenario has gains for {', '.join(given) or 'no law'}"
         raise ScenarioError(scenario.title, [Fault(f"laws.{name}", text)])
-    shared = {"alpha": law.alpha} if name == "prrl" else {}
-    stack = law.stack
-    channels: dict[str, tuple[Section, Section]] = {
-        channel: (getattr(law, channel), (getattr(stack, channel) if stack else None) or getattr(law, channel))
-        for channel in ("translation", "rotation")
+    phases = {
+        phase: {channel: _gains(law, f"{table}{channel}") for channel in ("translation", "rotation")}
+        for phase, table in (("before", ""), ("after", "stack."))
     }
-    before = {channel: _gains(pair[0], law.form) | shared for channel, pair in channels.items()}
-    after = {channel: _gains(pair[1], law.form) | shared for channel, pair in channels.items()}
-    return {"kind": name, "form": law.form, "before": before, "after": after}
+    return {"kind": name, "form": law.form, **phases}
 
 
-def _gains(channel: Section, form: str) -> Tree:
-    fields = channel.model_dump()
-    if "p" in fields:
-        printed = fields.pop("p") / fields.pop("q")
-        corrected = fields.pop("p_corrected") / fields.pop("q_corrected")
-        return {name: axes(value) for name, value in fields.items()} | {
-            "exponent": printed if form == "printed" else corrected
-        }
-    return {name: value if name == "r" else axes(value) for name, value in fields.items()}
+def _gains(law: Law[Any, Any], channel: str) -> Tree:
+    """Give the gains of one channel; a stack without its own keeps those of before."""
+    gains: Section = law.at(channel) or law.at(channel.removeprefix("stack."))
+    fields = gains.model_dump()
+    if isinstance(gains, TsmcExponents):
+        p, q = gains.exponent(law.form)
+        for name in TsmcExponents.model_fields:
+            del fields[name]
+        return {name: axes(value) for name, value in fields.items()} | {"exponent": p / q}
+    if isinstance(law, Prrl):
+        fields["alpha"] = law.power(channel)
+    return {name: value if name in ("r", "alpha") else axes(value) for name, value in fields.items()}
 
 
 def _plan(scenario: Scenario, law: str, until_the_end: bool) -> Tree:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from types import UnionType
@@ -13,6 +14,7 @@ from pydantic_core import PydanticUndefined
 
 from detumble.errors import Fault, ScenarioError
 from detumble.scenario.dispersions import DISTRIBUTIONS
+from detumble.scenario.hints import unknown_key
 from detumble.scenario.quantity import Quantity
 from detumble.scenario.section import Section
 from detumble.scenario.wording import did_you_mean, pretty, shown
@@ -72,8 +74,8 @@ def explained(error: ValidationError, model: type[Section]) -> list[Fault]:
 
 def _suggested(fault: Fault) -> str:
     """Give the field that a misspelt key was probably meant to be: that one is then no second fault."""
-    _, found, name = fault.text.partition("unknown key; did you mean ")
-    return name.rstrip("?") if found else ""
+    meant = re.match(r"unknown key; did you mean (\w+)", fault.text)
+    return meant[1] if meant else ""
 
 
 def _sibling(path: str, name: str) -> str:
@@ -89,7 +91,7 @@ def _fault(detail: ErrorDetails, model: type[Section]) -> Fault:
         case "missing":
             return Fault(path, f"missing; needed: {_needed(owner, str(place[-1]))}")
         case "extra_forbidden" | "no_such_attribute":
-            return Fault(path, f"unknown key{did_you_mean(str(place[-1]), owner.model_fields if owner else ())}")
+            return Fault(path, unknown_key(owner, str(place[-1]), value))
         case "quantity":
             return Fault(path, pretty(context["text"]), met)
         case "literal_error":
@@ -116,6 +118,8 @@ def _fault(detail: ErrorDetails, model: type[Section]) -> Fault:
             return Fault(path, "must be text in quotes", met)
         case "string_too_short":
             return Fault(path, "must not be empty", met)
+        case "string_too_long":
+            return Fault(path, f"has {len(value)} characters; at most {context['max_length']} are taken", met)
         case _:
             return Fault(path, detail["msg"], met)
 

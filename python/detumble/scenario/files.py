@@ -10,15 +10,20 @@ import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from detumble.checking import met
 from detumble.errors import Fault, RequestError, ScenarioError
 from detumble.scenario.faults import is_text, section_at, validated
 from detumble.scenario.model import Scenario
 from detumble.scenario.wording import did_you_mean
-from detumble.writing import reason, write_text
+from detumble.writing import named_file, read_bytes, reason, write_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+MOST_BYTES = 2**24
+"""Of a scenario file: they take a few thousand."""
+MOST_DEPTH = 20
+"""Of tables within tables."""
 LIBRARY = Path(__file__).parent / "library"
 
 
@@ -40,10 +45,35 @@ def load(source: str | os.PathLike[str]) -> Scenario:
     Raises:
         ScenarioError: the file cannot be read, or is no scenario; every fault is listed.
     """
-    name = os.fspath(source)
+    try:
+        name = os.fspath(source)
+    except TypeError:
+        raise ScenarioError(met(source), problem="is neither a scenario nor the name of one nor a path") from None
+    if not isinstance(name, str):
+        raise ScenarioError(met(name), problem="is no text; a path must be text")
     if isinstance(source, str) and name in built_in():
         return from_toml((LIBRARY / f"{name}.toml").read_text(encoding="utf-8"), name)
     return from_toml(_read(name), name)
+
+
+def given(scenario: Scenario | str | os.PathLike[str]) -> Scenario:
+    """Give a scenario to work with: a checked copy, which later edits of the caller's do not reach.
+
+    Args:
+        scenario: a scenario, or what `load` takes.
+
+    Raises:
+        ScenarioError: it cannot be read, or contradicts itself.
+    """
+    if not isinstance(scenario, Scenario):
+        return load(scenario)
+    checked = validated(scenario.to_dict(), scenario.title)
+    # a list can be appended to past every check: its items are taken from the checked copy
+    own = scenario.model_copy(deep=True)
+    own.dispersions, own.correlations = checked.dispersions, checked.correlations
+    if own.laws.none is not None and checked.laws.none is not None:
+        own.laws.none.segments = checked.laws.none.segments
+    return own
 
 
 def _read(name: str) -> str:
@@ -51,15 +81,13 @@ def _read(name: str) -> str:
     if not name.strip():
         raise ScenarioError(f'"{name}"', problem=f"names neither a built-in scenario ({known}) nor a file")
     try:
-        return Path(name).read_bytes().decode("utf-8-sig")
+        return read_bytes(Path(name), MOST_BYTES).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         problem = f"not UTF-8 text (byte 0x{error.object[error.start]:02x} at position {error.start})"
     except FileNotFoundError:
         problem = f"no such file, and no built-in scenario ({known}){did_you_mean(Path(name).stem, built_in())}"
-    except IsADirectoryError:
-        problem = "is a folder; a scenario is a TOML file"
-    except ValueError:
-        problem = "is no file name"
+    except ValueError as error:
+        problem = str(error)
     except OSError as error:
         problem = f"cannot be read: {reason(error)}"
     raise ScenarioError(name, problem=problem) from None
@@ -78,7 +106,22 @@ def from_toml(text: str, source: str = "scenario") -> Scenario:
     Raises:
         ScenarioError: as for `load`.
     """
-    return validated(_tables(text, source), source)
+    tables = _tables(text, source)
+    if _deep(tables):
+        raise ScenarioError(source, problem=f"tables nest more than {MOST_DEPTH} deep; a scenario's never do")
+    return validated(tables, source)
+
+
+def _deep(tables: Any) -> bool:
+    level = [tables]
+    for _ in range(MOST_DEPTH):
+        level = [
+            element
+            for value in level
+            if isinstance(value, dict | list)
+            for element in (value.values() if isinstance(value, dict) else value)
+        ]
+    return bool(level)
 
 
 def _tables(text: str, source: str) -> dict[str, Any]:
@@ -89,7 +132,9 @@ def _tables(text: str, source: str) -> dict[str, Any]:
         where = re.search(r" \(at line (\d+), column (\d+)\)$", problem)
         if where:
             problem = f"line {where[1]}, column {where[2]}: {problem[: where.start()]}"
-    except (ValueError, RecursionError) as error:
+    except RecursionError:
+        problem = f"nests more than {MOST_DEPTH} deep"
+    except ValueError as error:
         problem = str(error)
     raise ScenarioError(source, problem=f"not valid TOML: {problem}") from None
 
@@ -105,8 +150,8 @@ def save(scenario: Scenario, path: str | os.PathLike[str]) -> None:
         ScenarioError: the scenario contradicts itself.
         RequestError: the file cannot be written.
     """
-    scenario.check()
-    write_text(Path(path), scenario.to_toml())
+    scenario = given(scenario)
+    write_text(named_file(path), scenario.to_toml())
 
 
 def with_settings(scenario: Scenario, settings: Iterable[str], source: str = "") -> Scenario:
@@ -149,6 +194,8 @@ def _value(text: str) -> Any:
 
 def _set(raw: dict[str, Any], path: str, text: str) -> Fault | None:
     names = path.split(".")
+    if len(names) > MOST_DEPTH:
+        return Fault(".".join([*names[:3], "..."]), f"has {len(names)} parts; no field has more than {MOST_DEPTH}")
     table = raw
     for depth, name in enumerate(names[:-1]):
         section = section_at(Scenario, tuple(names[: depth + 1]))

@@ -156,6 +156,10 @@ def _odd(meaning: str) -> Quantity:
     return Quantity("", meaning, shape="odd", least=1, most=99)
 
 
+_ABOVE_ONE = 'must be greater than 1: the printed form flies it; form = "corrected" flies p_corrected/q_corrected'
+_BELOW_ONE = 'must be less than 1: the corrected form flies it; form = "printed" flies p/q'
+
+
 class TsmcExponents(Section):
     """Terminal exponents p/q: above 1 as printed, below 1 in the corrected form."""
 
@@ -165,15 +169,17 @@ class TsmcExponents(Section):
     q_corrected: Annotated[int, _odd("denominator of the corrected exponent")] = 5
 
     relations: ClassVar[tuple[Relation, ...]] = (
-        Relation(
-            "p", ("p", "q"), lambda p, q: None if p > q else f"p/q = {p}/{q} must be greater than 1 (printed form)"
-        ),
+        Relation("p", ("p", "q"), lambda p, q: None if p > q else f"p/q = {p}/{q} {_ABOVE_ONE}"),
         Relation(
             "p_corrected",
             ("p_corrected", "q_corrected"),
-            lambda p, q: None if p < q else f"p/q = {p}/{q} must be less than 1 (corrected form)",
+            lambda p, q: None if p < q else f"p_corrected/q_corrected = {p}/{q} {_BELOW_ONE}",
         ),
     )
+
+    def exponent(self, form: Form) -> tuple[int, int]:
+        """Give p and q of the exponent that a form flies."""
+        return (self.p, self.q) if form == "printed" else (self.p_corrected, self.q_corrected)
 
 
 class TsmcTranslation(TsmcExponents):
@@ -194,6 +200,10 @@ class TsmcRotation(TsmcExponents):
     layer: Annotated[Axes, Gain("rad/s", "phi, thickness of the boundary layer", lambda c: c.speed, above=0.0)]
 
 
+def _power(meaning: str) -> Quantity:
+    return Quantity("", meaning, above=0.0, below=1.0)
+
+
 class PrrlTranslation(Section):
     """s = e_v + slope e_r; s' = -gain |s|^alpha sat(s/layer)."""
 
@@ -202,6 +212,7 @@ class PrrlTranslation(Section):
         Axes, Gain("(m/s)^(1-alpha)/s", "K, power reaching rate", lambda c: c.acceleration / c.speed**c.power)
     ]
     layer: Annotated[Axes, Gain("m/s", "phi, thickness of the boundary layer", lambda c: c.speed, above=0.0)]
+    alpha: Annotated[float, _power("power of the reaching law here; default: that of the law")] | None = None
 
 
 class PrrlRotation(Section):
@@ -212,6 +223,7 @@ class PrrlRotation(Section):
         Axes, Gain("(rad/s)^(1-alpha)/s", "K, power reaching rate", lambda c: c.acceleration / c.speed**c.power)
     ]
     layer: Annotated[Axes, Gain("rad/s", "phi, thickness of the boundary layer", lambda c: c.speed, above=0.0)]
+    alpha: Annotated[float, _power("power of the reaching law here; default: that of the law")] | None = None
 
 
 Translation = TypeVar("Translation", bound=Section)
@@ -274,10 +286,37 @@ class Tsmc(Law[TsmcTranslation, TsmcRotation]):
 class Prrl(Law[PrrlTranslation, PrrlRotation]):
     """Power rate reaching law sliding mode."""
 
-    alpha: Annotated[float, Quantity("", "power of the reaching law", above=0.0, below=1.0)]
+    alpha: Annotated[float, _power("power of the reaching law, in every channel that has none of its own")] | None = (
+        None
+    )
 
     searched: ClassVar[Span] = (0.05, 0.95)
     """Where alpha is searched."""
+    relations: ClassVar[tuple[Relation, ...]] = (
+        Relation(
+            "alpha",
+            ("alpha", *(f"{channel}.alpha" for channel in ("translation", "rotation"))),
+            lambda shared, *own: _NO_POWER if shared is None and None in own else None,
+        ),
+        Relation(
+            "alpha",
+            ("alpha", "stack.translation", "stack.rotation"),
+            lambda shared, *own: (
+                _NO_POWER if shared is None and any(gains and gains.alpha is None for gains in own) else None
+            ),
+        ),
+    )
+
+    def power(self, channel: str) -> float:
+        """Give alpha of a channel: `translation`, `stack.rotation`; a stack without gains of its own keeps the first."""
+        gains = self.at(channel) or self.at(channel.removeprefix("stack."))
+        own: float | None = gains.alpha
+        power = self.alpha if own is None else own
+        assert power is not None  # the relations above see to that
+        return power
+
+
+_NO_POWER = "missing; needed: power of the reaching law, for all channels here or in each channel"
 
 
 class Segment(Section):
@@ -321,3 +360,14 @@ class Laws(Section):
     tsmc: Tsmc | None = None
     prrl: Prrl | None = None
     none: OpenLoop | None = None
+
+    @property
+    def closed_loop(self) -> list[str]:
+        """The laws that this scenario has gains for."""
+        return [law for law in LAWS if getattr(self, law) is not None]
+
+    @property
+    def default(self) -> str:
+        """The law that flies where none is named: the only one that the scenario has gains for, else PRRL-SMC."""
+        given = [*self.closed_loop, *(["none"] if self.none is not None else [])]
+        return given[0] if len(given) == 1 else "prrl"

@@ -15,7 +15,7 @@ from detumble.errors import Fault
 from detumble.scenario.dispersions import AnyDispersion, Correlation
 from detumble.scenario.laws import Laws, Segment
 from detumble.scenario.quantity import Axes, Inertia, Quantity, Quaternion, Vector
-from detumble.scenario.section import Relation, Section
+from detumble.scenario.section import Relation, Section, lines, one_line
 
 MOST_PERIODS = 2_000_000
 """Keeps the history of one flight within a laptop's memory."""
@@ -80,9 +80,9 @@ class Orbit(Section):
     altitude: Annotated[float, Quantity("m", "height above earth_radius", kilo=True, least=8e4, most=1e8)] | None = None
     radius: Annotated[float, Quantity("m", "distance from the centre", kilo=True, least=1e6, most=1e9)] | None = None
     earth_radius: Annotated[float, Quantity("m", "radius of the planet", kilo=True, least=1e5, most=1e8)] = 6371e3
-    mu: Annotated[float, Quantity("m^3/s^2", "gravitational parameter of the planet", least=1e10, most=1e18)] = (
-        3.986004418e14
-    )
+    mu: Annotated[
+        float, Quantity("m^3/s^2", "gravitational parameter of the planet", kilo=1e9, least=1e10, most=1e18)
+    ] = 3.986004418e14
     lvlh_attitude: Annotated[Quaternion, Quantity("", "q_HN, H -> N at t = 0", shape="quaternion")] = _IDENTITY
 
     alternatives: ClassVar[tuple[tuple[str, str], ...]] = (("altitude", "radius"),)
@@ -91,8 +91,13 @@ class Orbit(Section):
     @property
     def mean_motion(self) -> float:
         """Angular rate of H about its z axis, rad/s: sqrt(mu / a^3)."""
-        radius = self.radius if self.radius is not None else self.earth_radius + (self.altitude or 0.0)
+        radius = self.distance
         return math.sqrt(self.mu / (radius * radius * radius))
+
+    @property
+    def distance(self) -> float:
+        """Radius of the orbit, m."""
+        return self.radius if self.radius is not None else self.earth_radius + (self.altitude or 0.0)
 
 
 def _mass() -> Quantity:
@@ -158,6 +163,11 @@ class Capture(Section):
     )
     merge: StrictBool = Field(True, description="false: the first capture is recorded, the bodies stay two")
 
+    @classmethod
+    def never(cls) -> Capture:
+        """Give thresholds below which nothing lies: those of a scenario that is flown in open loop alone."""
+        return cls.model_construct(_fields_set=set(), distance=0.0, angle_deg=0.0, rate=0.0, merge=False)
+
 
 class Settled(Section):
     """When the stack counts as stabilised: both hold until the end of the flight."""
@@ -180,6 +190,11 @@ class Actuators(Section):
     saturation: Literal["per_axis", "scaled"] = Field(
         "per_axis", description="each axis is clipped, or the whole vector is scaled until it fits"
     )
+
+    @classmethod
+    def unlimited(cls) -> Actuators:
+        """Give actuators without limits."""
+        return cls.model_construct(_fields_set=set(), force_limit=math.inf, torque_limit=math.inf)
 
 
 class Sensors(Section):
@@ -230,11 +245,20 @@ def _grasp_fault(chaser: object, debris: object) -> str | None:
     return None if (chaser is None) == (debris is None) else "both bodies carry a grasp point, or neither does"
 
 
-def _goal_fault(position: object, chaser: object, debris: object) -> str | None:
+def _goal_fault(position: object, chaser: object, debris: object, laws: Laws) -> str | None:
     grasp = chaser is not None and debris is not None
-    if position is None and chaser is None and debris is None:
+    if position is None and chaser is None and debris is None and laws.closed_loop:
         return "missing; without grasp points the goal needs a position in m"
     return "must not be given with grasp points: they are the goal" if grasp and position is not None else None
+
+
+def _capture_fault(capture: Capture, laws: Laws) -> str | None:
+    return "missing; needed: a table" if laws.closed_loop and not capture.model_fields_set else None
+
+
+def _actuators_fault(actuators: Actuators, laws: Laws) -> str | None:
+    missing = laws.closed_loop and not actuators.model_fields_set
+    return "missing; needed: a table" if missing else None
 
 
 def _feedforward_fault(feedforward: bool, chaser: object, debris: object) -> str | None:
@@ -256,16 +280,20 @@ def _segments_fault(segments: list[Segment] | None, period: float) -> str | None
 class Scenario(Section):
     """Everything that a flight needs but the choice of the law and the seed, and what a campaign draws at random."""
 
-    title: str = Field(min_length=1, description="one line for tables and figures")
-    description: str = Field("", description="what this case is for, and where its numbers come from")
+    title: Annotated[str, one_line] = Field(
+        min_length=1, max_length=500, description="one line for tables and figures, 500 characters at most"
+    )
+    description: Annotated[str, lines] = Field("", description="what this case is for, and where its numbers come from")
     time: Time
     orbit: Orbit
     chaser: Chaser
     debris: Debris
     goal: Goal = Field(default_factory=Goal)
-    capture: Capture
+    capture: Capture = Field(default_factory=Capture.never, description="needed by every law; open loop does without")
     settled: Settled = Field(default_factory=Settled)
-    actuators: Actuators
+    actuators: Actuators = Field(
+        default_factory=Actuators.unlimited, description="needed by every law; open loop does without"
+    )
     sensors: Sensors = Field(default_factory=Sensors)
     belief: Belief = Field(default_factory=Belief)
     laws: Laws = Field(default_factory=Laws)
@@ -278,7 +306,9 @@ class Scenario(Section):
     checks_relations_on_assignment: ClassVar[bool] = False
     relations: ClassVar[tuple[Relation, ...]] = (
         Relation("chaser.grasp_point", ("chaser.grasp_point", "debris.grasp_point"), _grasp_fault),
-        Relation("goal.position", ("goal.position", "chaser.grasp_point", "debris.grasp_point"), _goal_fault),
+        Relation("goal.position", ("goal.position", "chaser.grasp_point", "debris.grasp_point", "laws"), _goal_fault),
+        Relation("capture", ("capture", "laws"), _capture_fault),
+        Relation("actuators", ("actuators", "laws"), _actuators_fault),
         Relation(
             "goal.acceleration_feedforward",
             ("goal.acceleration_feedforward", "chaser.grasp_point", "debris.grasp_point"),
@@ -315,7 +345,16 @@ class Scenario(Section):
 
     def to_dict(self) -> dict[str, Any]:
         """Give the scenario as the plain tables of its file; what is absent is left out."""
-        return self.model_dump(exclude_none=True)
+        absent = {name for name in ("capture", "actuators") if not getattr(self, name).model_fields_set}
+        # a table that was appended to a list as a plain dict is read like one of the file
+        return self.model_dump(exclude_none=True, exclude=absent, warnings=False)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a reader of the numbers ought to look at again: each can be meant, and seldom is."""
+        from detumble.scenario.hints import warnings
+
+        return warnings(self)
 
     def to_toml(self) -> str:
         """Give the scenario as the text of its file, units beside the values."""

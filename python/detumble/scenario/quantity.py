@@ -7,13 +7,14 @@ refused in one wording, which names the unit. Vectors are kept as tuples: an ele
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import PydanticCustomError, core_schema
 
+from detumble.checking import plain, unit_of
 from detumble.scenario import physics
 from detumble.scenario.wording import shown
 
@@ -83,7 +84,8 @@ class Quantity:
         unit: SI unit as printed; empty for pure numbers.
         meaning: one phrase: what the number is, with its frame.
         shape: what the file may hold.
-        kilo: a value a thousand times too small was probably meant in the unit's thousands; say so.
+        kilo: a value a thousand times too small was probably meant in the unit's thousands; say so. A number stands for another
+            factor: 1e9 where km³/s² may have been meant.
         rigid: an inertia that a real body must be able to have (triangle inequality).
         bounds: as in Range.
     """
@@ -94,7 +96,7 @@ class Quantity:
         meaning: str,
         *,
         shape: Shape = "number",
-        kilo: bool = False,
+        kilo: bool | float = False,
         rigid: bool = True,
         above: float | None = None,
         least: float | None = None,
@@ -134,10 +136,10 @@ class Quantity:
         Raises:
             Refusal: with the reason in words.
         """
-        if hasattr(value, "tolist"):
-            value = value.tolist()
-        single = isinstance(value, str) or not isinstance(value, Iterable)
-        if self.shape == "number" or (self.shape == "axes" and single):
+        carried, value = unit_of(value), plain(value)
+        if carried not in ("", self.unit):
+            raise Refusal(f"is in {carried}; must be {self._wanted()}")
+        if self.shape == "number" or (self.shape == "axes" and not isinstance(value, list)):
             return self._number(value)
         if self.shape == "odd":
             if isinstance(value, bool) or not isinstance(value, int):
@@ -146,7 +148,7 @@ class Quantity:
             if value % 2 == 0:
                 raise Refusal("must be odd")
             return value
-        if isinstance(value, str) or not isinstance(value, Sequence):
+        if not isinstance(value, list):
             raise Refusal(f"must be {self._wanted()}")
         if self.shape == "quaternion":
             return self._quaternion(value)
@@ -177,7 +179,7 @@ class Quantity:
     def _thousands(self, number: float) -> str:
         if not self.kilo or not math.isfinite(number):
             return ""
-        for factor in (1e3, 1e-3):
+        for factor in (1e3, 1e-3) if self.kilo is True else (self.kilo, 1.0 / self.kilo):
             try:
                 self.range.check(number * factor)
             except Refusal:
@@ -200,7 +202,7 @@ class Quantity:
     def _inertia(self, value: Sequence[Any]) -> Any:
         if len(value) != 3:
             raise Refusal(f"has {len(value)} elements; must be {self._wanted()}")
-        nested = [isinstance(row, Sequence) and not isinstance(row, str) for row in value]
+        nested = [isinstance(row, list) for row in value]
         if any(nested):
             if not all(nested) or any(len(row) != 3 for row in value):
                 raise Refusal(f"must be {self._wanted()}")

@@ -7,10 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError
 from pydantic_core import PydanticCustomError
 
 from detumble.errors import Fault, ScenarioError
+from detumble.text import unprintable
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,23 @@ class Relation:
     at: str
     reads: tuple[str, ...]
     fault: Callable[..., str | None]
+
+
+def _without_controls(keep: str, what: str) -> AfterValidator:
+    def check(text: str) -> str:
+        met = unprintable(text, keep)
+        if met:
+            reason = f"holds the character {met}; must be {what}"
+            raise PydanticCustomError("quantity", "{text}", {"text": reason, "unit": ""})
+        return text
+
+    return AfterValidator(check)
+
+
+one_line = _without_controls("", "one line of printable text")
+"""Text that can stand in a table, a title and a file's attribute."""
+lines = _without_controls("\n\r\t", "printable text")
+"""Text of several lines."""
 
 
 class Section(BaseModel):

@@ -38,7 +38,7 @@ def _table(section: Section, path: str, lines: list[str]) -> None:
     inline: list[str] = []
     for name, field in type(section).model_fields.items():
         value = getattr(section, name)
-        if value is None:
+        if value is None or (isinstance(value, Section) and field.default_factory and not value.model_fields_set):
             continue
         if isinstance(value, Section):
             if path.startswith("laws.") and not isinstance(value, Provenance):

@@ -7,6 +7,8 @@ from collections.abc import Iterable
 from decimal import Decimal
 from typing import Any
 
+from detumble.text import printable
+
 
 def number(value: float) -> str:
     """Write a float with the fewest digits that read back to the same bits, the way TOML does: 0.05, 700e3, 6.871e6."""
@@ -32,7 +34,7 @@ def shown(value: Any, width: int = 72) -> str:
     elif isinstance(value, float):
         text = number(float(f"{value:.10g}")).removesuffix(".0")
     elif isinstance(value, str):
-        text = '"' + value.replace("\n", "\\n") + '"'
+        text = '"' + printable(value, keep="") + '"'
     elif isinstance(value, list | tuple):
         text = "[" + ", ".join(shown(element, width) for element in value) + "]"
     elif isinstance(value, dict):

@@ -29,10 +29,11 @@ from detumble.analysis.bounds.slew import AttitudeBound, Slew, attitude_bound, f
 from detumble.analysis.bounds.soonest import translation_bound
 from detumble.analysis.bounds.transfer import Bracket, Transfer
 from detumble.analysis.bounds.tumble import Array, conjugate, multiply, rotate, tumble
-from detumble.errors import RequestError
+from detumble.checking import real
+from detumble.errors import Fault, ScenarioError
 from detumble.scenario.core import case as core_case
 from detumble.scenario.core import ticks
-from detumble.scenario.files import load
+from detumble.scenario.files import given
 from detumble.scenario.model import Scenario
 
 if TYPE_CHECKING:
@@ -115,7 +116,9 @@ def bound(scenario: Scenario | str | os.PathLike[str], within: float | None = No
         ScenarioError: the scenario contradicts itself.
         RequestError: `within` is no time of the flight, or CasADi is not installed.
     """
-    scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
+    scenario = given(scenario)
+    if not scenario.capture.model_fields_set:
+        raise ScenarioError(scenario.title, [Fault("capture", "missing; a bound needs the thresholds of capture")])
     return bound_of(core_case(scenario, "none"), within)
 
 
@@ -142,9 +145,9 @@ def time_within(pursuit: Pursuit, within: float | None) -> float:
         RequestError: it is no time of the flight.
     """
     duration = pursuit.periods * pursuit.period
-    if within is not None and not 0.0 < within <= duration * (1.0 + 1e-12):
-        raise RequestError(f"within {within!r} s: must be greater than 0 and at most the duration, {duration:.10g} s")
-    return duration if within is None else min(within, duration)
+    if within is None:
+        return duration
+    return min(real("within", within, above=0.0, most=duration * (1.0 + 1e-12), unit="s"), duration)
 
 
 def _capture(pursuit: Pursuit, start: Array, translation: Bracket, attitude: AttitudeBound) -> Rendezvous:

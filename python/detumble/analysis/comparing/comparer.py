@@ -7,32 +7,34 @@ luck there was. Nothing that is reported was measured on the training starts, bu
 
 from __future__ import annotations
 
+import hashlib
+import json
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from detumble import __version__
 from detumble.analysis.bounds.runs import capture_bounds, delta_v_bounds, settling_bounds
 from detumble.analysis.comparing.entries import check_entries, entries_of
 from detumble.analysis.comparing.judge import Runs, Verdict, fly
 from detumble.analysis.comparing.plan import RECORDS, SPREAD, Plan, Unwatched, Watcher
 from detumble.analysis.comparing.ranking import Score
 from detumble.analysis.comparing.ratios import FUEL_RUNS, Ratio
-from detumble.analysis.comparing.result import Comparison, Judged, Tuning, pairs_of, ranking_of
+from detumble.analysis.comparing.result import FILES, PLAN, Comparison, Judged, Tuning, pairs_of, ranking_of
 from detumble.analysis.comparing.robustness import flights, robustness, sweeps_of
 from detumble.analysis.trials import Trials
 from detumble.analysis.tuning import tune
-from detumble.analysis.tuning.flights import check_whole
 from detumble.analysis.tuning.gains import mean_acceleration
 from detumble.analysis.tuning.horizon import default_horizon
-from detumble.errors import RequestError
-from detumble.flight import MOST_SEED
-from detumble.scenario.files import load
+from detumble.checking import MOST_SEED, whole
+from detumble.results import results_folder
+from detumble.scenario.files import given
 from detumble.scenario.laws import LAWS
 from detumble.scenario.model import Scenario
-from detumble.writing import output_folder
+from detumble.writing import named_folder, read_bytes, write_text
 
 if TYPE_CHECKING:
     import os
@@ -68,15 +70,17 @@ def compare(
         RequestError: an argument makes no sense, or the folder cannot be used.
         ScenarioError: the scenario cannot be flown.
     """
-    scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
+    scenario = given(scenario)
     plan = plan or Plan()
     if entries is None:
         entries = entries_of([law for law in LAWS if not plan.as_given or getattr(scenario.laws, law) is not None])
     check_entries(entries, scenario, as_given=plan.as_given)
     if threads is not None:
-        check_whole(threads=(threads, 1, 4096))
-    folder = Path(out) if out is not None else None
-    with output_folder(folder):
+        whole("threads", threads, 1, 4096)
+    folder = named_folder(out, "out") if out is not None else None
+    with results_folder(folder, FILES):
+        if folder is not None:
+            _begin(folder, scenario, entries, plan, resume)
         work = _Work(scenario, plan, folder, resume, threads, watcher or Unwatched())
         judged = [work.judged(entry) for entry in entries]
         bounds = work.bounds()
@@ -88,6 +92,34 @@ def compare(
         if folder is not None:
             result.save(folder)
     return result
+
+
+def _begin(folder: Path, scenario: Scenario, entries: Sequence[Entry], plan: Plan, resume: bool) -> None:
+    """Say in the folder what is compared; make sure that it holds nothing else.
+
+    Raises:
+        RequestError: the folder holds another comparison, or this one and it is not to be resumed.
+    """
+    path = folder / PLAN
+    asked = {
+        "scenario": hashlib.sha256(scenario.to_toml().encode()).hexdigest(),
+        "entries": [asdict(entry) for entry in entries],
+        **plan.to_json(),
+        "version": __version__,
+    }
+    text = json.dumps(asked, indent=2) + "\n"
+    if path.exists():
+        try:
+            there = json.loads(read_bytes(path, 2**20))
+        except (OSError, ValueError) as error:
+            raise RequestError(f"{path}: broken: {error}") from None
+        if there != json.loads(text):
+            differing = [name for name in asked if not isinstance(there, dict) or there.get(name) != asked[name]]
+            raise RequestError(f"{folder}: holds another comparison ({', '.join(differing)} differ)")
+        if not resume:
+            raise RequestError(f"{folder}: holds this comparison already; --resume continues it")
+    else:
+        write_text(path, text)
 
 
 class _Work:
@@ -103,8 +135,6 @@ class _Work:
         watcher: Watcher,
     ) -> None:
         horizon = default_horizon(scenario, plan.seed, plan.starts) if plan.horizon is None else plan.horizon
-        if not horizon > 0.0:
-            raise RequestError(f"horizon {horizon:g} s: must be greater than 0")
         self.scenario = scenario
         self.plan = replace(plan, horizon=min(horizon, scenario.time.duration))
         self.end = plan.objective.end(scenario)

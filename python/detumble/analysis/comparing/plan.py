@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from detumble.analysis.tuning import Objective
+from detumble.checking import MOST_SEED, real, wholes
 from detumble.errors import RequestError
-from detumble.flight import MOST_SEED
 
 SPREAD = 10_000
 """Held-out runs, the first, on which the tunings that were not chosen are judged."""
@@ -72,14 +72,14 @@ class Plan:
         Raises:
             RequestError: naming the argument.
         """
+        wholes(self, seed=(0, MOST_SEED))
         if self.held_out is None:
             object.__setattr__(self, "held_out", self.seed + 1 if self.seed < MOST_SEED else 0)
         ranges = {"seed": (0, MOST_SEED), "held_out": (0, MOST_SEED), "budget": (1, 10**9), "starts": (1, 10**6)}
         ranges |= {"tunings": (1, 100), "runs": (1, 10**7), "robust": (0, 10**7)}
-        for name, (least, most) in ranges.items():
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-                raise RequestError(f"{name} {value!r}: must be a whole number from {least} to {most}")
+        wholes(self, **ranges)
+        if self.horizon is not None:
+            object.__setattr__(self, "horizon", real("horizon", self.horizon, above=0.0, unit="s"))
         if self.held_out == self.seed:
             raise RequestError(f"held_out {self.held_out}: must not be the seed of the training starts")
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from detumble.analysis.comparing.paired import Difference, Shift, holm
 from detumble.analysis.comparing.ranking import SHARE, SIGNIFICANT, Ranking, Score, rank
+from detumble.results import results_folder
 from detumble.writing import output_folder, write_text
 
 if TYPE_CHECKING:
@@ -41,6 +42,10 @@ OBJECTIVES = {
     "delta_v_total": "delta_v_m_s",
 }
 """The metric of each objective."""
+PLAN = "plan.json"
+"""Says in the folder what is compared."""
+FILES = (PLAN, "comparison.json", "scenario.toml", "tuned/*.toml", "figures/*.png")
+"""Patterns of what a comparison writes, beside the records of its searches."""
 STATISTIC = "statistic"
 """Name of the test of the objective's statistic among those of a pair."""
 
@@ -305,7 +310,7 @@ class Comparison:
         texts[folder / "scenario.toml"] = self.scenario.to_toml()
         for judged in self.entries:
             texts[folder / "tuned" / f"{judged.entry.file}.toml"] = judged.tuning.scenario.to_toml()
-        with output_folder(folder / "tuned"):
+        with results_folder(folder, FILES), output_folder(folder / "tuned"):
             for path, text in texts.items():
                 write_text(path, text)
         return list(texts)

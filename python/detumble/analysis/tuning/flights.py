@@ -13,8 +13,7 @@ from detumble.analysis.trials import Trials
 from detumble.analysis.tuning.gains import mean_acceleration
 from detumble.analysis.tuning.horizon import default_horizon
 from detumble.campaigns.recipe import arithmetic
-from detumble.errors import RequestError
-from detumble.flight import MOST_SEED
+from detumble.checking import MOST_SEED, real, wholes
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -38,17 +37,6 @@ class Watcher(Protocol):
     def now(self, done: int, cost: float, share: float) -> None:
         """So many are made; the best candidate so far costs `cost`, and succeeds in a share of the starts."""
         ...
-
-
-def check_whole(**named: tuple[int, int, int]) -> None:
-    """Make sure that whole numbers, each with the least and the most it may be, lie in their ranges.
-
-    Raises:
-        RequestError: naming the first that does not.
-    """
-    for name, (number, least, most) in named.items():
-        if isinstance(number, bool) or not isinstance(number, int) or not least <= number <= most:
-            raise RequestError(f"{name} {number!r}: must be a whole number from {least} to {most}")
 
 
 @dataclass(frozen=True)
@@ -77,12 +65,11 @@ class Setting:
         Raises:
             RequestError: naming the argument.
         """
-        seeds = {name: (getattr(self, name), 0, MOST_SEED) for name in ("seed", "optimiser_seed")}
-        check_whole(budget=(self.budget, 1, 10**9), starts=(self.starts, 1, 10**6), **seeds)
+        wholes(self, budget=(1, 10**9), starts=(1, 10**6), seed=(0, MOST_SEED), optimiser_seed=(0, MOST_SEED))
         if self.threads is not None:
-            check_whole(threads=(self.threads, 1, 4096))
-        if self.horizon is not None and not self.horizon > 0.0:
-            raise RequestError(f"horizon {self.horizon:g} s: must be greater than 0")
+            wholes(self, threads=(1, 4096))
+        if self.horizon is not None:
+            object.__setattr__(self, "horizon", real("horizon", self.horizon, above=0.0, unit="s"))
 
     def resolved(self, scenario: Scenario) -> float:
         """Give the horizon, s: at most the scenario's duration."""

@@ -20,21 +20,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from detumble.checking import choice
 from detumble.errors import RequestError
 from detumble.scenario.core import axes, case, design
 from detumble.scenario.faults import quantity_of, section_at, section_of
 from detumble.scenario.laws import EXPONENTS, LAWS, Gain, Natural, Prrl, Scale, Span, TsmcExponents
 from detumble.scenario.model import Scenario
 from detumble.scenario.physics import tensor
-from detumble.scenario.wording import did_you_mean
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from detumble.scenario.laws import Form
 
@@ -86,23 +86,29 @@ class Tunable:
         return math.log(inside / low) / math.log(high / low) if self.scale else (inside - low) / (high - low)
 
 
-def gains_of(law: str, form: Form = "printed", stack: Sequence[str] = ()) -> tuple[Tunable, ...]:
+def gains_of(
+    law: str, form: Form = "printed", stack: Sequence[str] = (), powers: Sequence[str] = ()
+) -> tuple[Tunable, ...]:
     """Name the gains of a law that can be searched for.
 
     Args:
         law: one of `LAWS`.
         form: decides the range of TSMC's exponent.
         stack: channels of which the stack has a set of its own.
+        powers: channels of PRRL with an alpha of their own, `rotation`, `stack.rotation`; the others share one.
 
     Raises:
         RequestError: there is no such law.
     """
-    if law not in LAWS:
-        raise RequestError(f"law {law!r}: must be one of {', '.join(LAWS)}{did_you_mean(law, LAWS)}")
-    section = section_at(Scenario, ("laws", law))
+    section = section_at(Scenario, ("laws", choice("law", law, LAWS)))
     assert section is not None
-    found = [Tunable("alpha", "", "power of the reaching law", None, Prrl.searched)] if section is Prrl else []
-    for path in (*CHANNELS, *(f"stack.{channel}" for channel in CHANNELS if channel in stack)):
+    paths = (*CHANNELS, *(f"stack.{channel}" for channel in CHANNELS if channel in stack))
+    shared = [""] if section is Prrl and not set(paths) <= set(powers) else []
+    found = [
+        Tunable(f"{path}.alpha".lstrip("."), "", "power of the reaching law", None, Prrl.searched)
+        for path in (*shared, *(path for path in paths if path in powers))
+    ]
+    for path in paths:
         channel = section_of(section.model_fields[path.removeprefix("stack.")].annotation)
         assert channel is not None
         for name, field in channel.model_fields.items():
@@ -112,6 +118,22 @@ def gains_of(law: str, form: Form = "printed", stack: Sequence[str] = ()) -> tup
         if issubclass(channel, TsmcExponents):
             found.append(Tunable(f"{path}.{EXPONENT}", "", "p/q of the terminal surface", None, EXPONENTS[form]))
     return tuple(found)
+
+
+def gains_in(law: str, table: Mapping[str, Any]) -> tuple[Tunable, ...]:
+    """Name the gains of a law as a scenario has them: its form, its sets, its powers.
+
+    Args:
+        law: one of `LAWS`.
+        table: of the law, as its file has it.
+    """
+    stack: Mapping[str, Any] = table.get("stack", {})
+    own = {
+        **{channel: table[channel] for channel in CHANNELS},
+        **{f"stack.{channel}": stack[channel] for channel in stack},
+    }
+    powers = [path for path, gains in own.items() if "alpha" in gains] if law == "prrl" else []
+    return gains_of(law, table["form"], tuple(stack), powers)
 
 
 def odd_fraction(exponent: float, form: Form) -> tuple[int, int]:

@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from detumble.campaigns.rows import DIVERGED, DWELL_MISSED, NEVER_CAPTURED, NOT_SETTLED
+from detumble.checking import choice, real
 from detumble.errors import RequestError
 
 if TYPE_CHECKING:
@@ -85,14 +86,12 @@ class Objective:
         Raises:
             RequestError: naming the attribute.
         """
-        if self.what not in MEANINGS:
-            raise RequestError(f"objective {self.what!r}: must be one of {', '.join(MEANINGS)}")
-        if self.percentile is not None and not 0.0 < self.percentile <= 100.0:
-            raise RequestError(f"percentile {self.percentile:g}: must be greater than 0 and at most 100")
-        if not 0.0 <= self.required <= 1.0:
-            raise RequestError(f"required {self.required:g}: a share must be at least 0 and at most 1")
-        if self.until not in (None, "settled", "captured", "duration"):
-            raise RequestError(f"until {self.until!r}: must be settled, captured or duration")
+        choice("objective", self.what, MEANINGS)
+        if self.percentile is not None:
+            object.__setattr__(self, "percentile", real("percentile", self.percentile, above=0.0, most=100.0))
+        object.__setattr__(self, "required", real("required", self.required, least=0.0, most=1.0))
+        if self.until is not None:
+            choice("until", self.until, ("settled", "captured", "duration"))
 
     @property
     def statistic(self) -> str:

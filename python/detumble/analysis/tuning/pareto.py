@@ -25,8 +25,8 @@ from detumble.analysis.tuning.provenance import told
 from detumble.analysis.tuning.record import Record
 from detumble.analysis.tuning.search import STEP, minimise
 from detumble.analysis.tuning.space import space_of
-from detumble.errors import RequestError
-from detumble.scenario.files import load
+from detumble.checking import whole
+from detumble.scenario.files import given
 from detumble.scenario.model import Scenario
 
 if TYPE_CHECKING:
@@ -169,16 +169,15 @@ def pareto_front(
         ScenarioError: the scenario cannot be flown.
     """
     began = time.perf_counter()
-    if weights < 2:
-        raise RequestError(f"weights {weights}: must be at least 2, for both ends")
-    scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
+    weights = whole("weights", weights, 2, 1000)  # both ends at least
+    scenario = given(scenario)
     setting = Setting(budget, starts, seed, seed if optimiser_seed is None else optimiser_seed, horizon, threads)
     space = space_of(scenario, law, form=form, stack=stack, fixed=fixed)
     objectives = (Objective(what, percentile, required, until), Objective("delta_v", percentile, required, until))
     objectives[0].end(space.base)
     horizon = setting.resolved(space.base)
     about = {"objective": asdict(objectives[0]) | {"what": f"pareto, {what}"}, "budget": budget, "weights": weights}
-    with Record(record, header(space, setting, horizon, about), resume=resume) as written:
+    with Record(record, header(space, setting, horizon, about), resume=resume, budget=budget) as written:
         flights = Flights(space, setting, objectives, written, watcher, horizon=horizon)
         flights.own()
         _sweep(flights, budget - 1, setting.optimiser_seed, _order(weights))

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from detumble.errors import RequestError
 from detumble.locking import Lock
 from detumble.scenario.wording import shown
-from detumble.writing import reason
+from detumble.writing import named_file, read_bytes, reason
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 FORMAT = 1
+_MOST_BYTES = 2**33
 _SAME = 1e-12
 """Points asked for twice agree this well on machines whose last bits differ."""
 
@@ -39,14 +40,18 @@ class Record:
         path: the file; None keeps nothing.
         header: what is searched, as JSON takes it.
         resume: go on with what the file holds.
+        budget: evaluations that are asked for.
 
     Raises:
-        RequestError: the file cannot be used, holds another search, or holds this one and `resume` is not set; or another process
-            writes in its folder.
+        RequestError: the file cannot be used, holds another search, holds this one and `resume` is not set, or holds more of it
+            than is asked for; or another process writes in its folder.
     """
 
-    def __init__(self, path: str | os.PathLike[str] | None, header: Mapping[str, Any], *, resume: bool = False) -> None:
-        self.path = Path(path) if path is not None else None
+    def __init__(
+        self, path: str | os.PathLike[str] | None, header: Mapping[str, Any], *, resume: bool = False, budget: int = 0
+    ) -> None:
+        self.path = named_file(path).absolute() if path is not None else None
+        self._budget = budget
         self._known: list[tuple[list[float], list[float]]] = []
         self._next = 0
         self._lock: Lock | None = None
@@ -61,7 +66,9 @@ class Record:
 
     def _open(self, path: Path, header: dict[str, Any], resume: bool) -> None:
         try:
-            content = path.read_bytes() if path.exists() else b""
+            content = read_bytes(path, _MOST_BYTES) if path.exists() else b""
+        except ValueError as error:
+            raise RequestError(f"{path}: {error}") from None
         except OSError as error:
             raise RequestError(f"{path}: cannot be read: {reason(error)}") from None
         whole = content[: content.rfind(b"\n") + 1]
@@ -72,6 +79,11 @@ class Record:
                 raise RequestError(f"{path}: holds another search ({differing})")
             if not resume:
                 raise RequestError(f"{path}: holds this search already; --resume continues it")
+            recorded = sum(len(line["points"]) for line in lines[1:])
+            if recorded > self._budget > 0:
+                raise RequestError(
+                    f"{path}: holds {recorded} candidates, more than the budget of {self._budget}: what they found would be lost"
+                )
         try:
             self._file = path.open("r+b" if path.exists() else "w+b")
             self._file.truncate(len(whole))

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from detumble.analysis.tuning.gains import CHANNELS, EXPONENT, Tunable, gains_of, natural_of, odd_fraction
+from detumble.analysis.tuning.gains import CHANNELS, EXPONENT, Tunable, gains_in, gains_of, natural_of, odd_fraction
 from detumble.campaigns.overlay import overlay
+from detumble.checking import choice, real
 from detumble.errors import RequestError
 from detumble.scenario.faults import validated
-from detumble.scenario.laws import EXPONENTS
+from detumble.scenario.laws import EXPONENTS, LAWS, Prrl, Tsmc
 from detumble.scenario.wording import did_you_mean
 
 if TYPE_CHECKING:
@@ -49,8 +50,9 @@ def space_of(
             infinite.
         ScenarioError: a held value is none that the gain can have.
     """
-    if form not in (None, "printed", "corrected"):
-        raise RequestError(f"form {form!r}: must be printed or corrected")
+    if form is not None:
+        choice("form", form, EXPONENTS)
+    choice("law", law, LAWS)
     raw = copy.deepcopy(scenario.to_dict())
     laws = raw.setdefault("laws", {})
     if law not in laws:
@@ -64,14 +66,15 @@ def space_of(
         own = table.setdefault("stack", {})
         for channel in CHANNELS:
             own.setdefault(channel, dict(table[channel]))
-    tunables = gains_of(law, table["form"], tuple(table.get("stack", {})))
+    tunables = gains_in(law, table)
     known = [tunable.path for tunable in tunables]
     for path, value in (fixed or {}).items():
         if path not in known:
             raise RequestError(f"{path}: is no gain of {law}{did_you_mean(path, known)}; there are {', '.join(known)}")
         if value is not None:
-            _check_held(law, path, value, table["form"])
-            put(table, path, value)
+            held = real(path, value)
+            _check_held(law, path, held, table["form"])
+            put(table, path, held)
     searched = tuple(tunable for tunable in tunables if tunable.path not in (fixed or {}))
     if not searched:
         raise RequestError(f"{law}: every gain is held; nothing is left to search for")
@@ -144,11 +147,14 @@ class Space:
         if not tunable.channel:
             return None
         plain = self.naturals[tunable.channel]
-        power = chosen.get("alpha", chosen.get(f"{tunable.channel}.{EXPONENT}", self._power(tunable.channel)))
-        return replace(plain, power=power)
+        return replace(plain, power=self._power(tunable.channel, chosen))
 
-    def _power(self, channel: str) -> float:
-        return float(getattr(self._law, "alpha", 1.0)) if self.law != "tsmc" else exponent_of(self._law, channel)
+    def _power(self, channel: str, chosen: Mapping[str, float]) -> float:
+        law = self._law
+        if isinstance(law, Prrl):
+            own = f"{channel}.alpha" if law.at(channel).alpha is not None else "alpha"
+            return chosen.get(own, law.power(channel))
+        return chosen.get(f"{channel}.{EXPONENT}", exponent_of(law, channel)) if isinstance(law, Tsmc) else 1.0
 
     def values(self, point: Sequence[float]) -> dict[str, float]:
         """Give the gains at a point of the unit cube, by path.
@@ -200,8 +206,7 @@ class Space:
 
 def exponent_of(law: Law[Any, Any], channel: str) -> float:
     """Give the terminal exponent p/q of a channel that the law's form flies."""
-    gains = law.at(channel)
-    p, q = (gains.p, gains.q) if law.form == "printed" else (gains.p_corrected, gains.q_corrected)
+    p, q = law.at(channel).exponent(law.form)
     return float(p) / float(q)
 
 

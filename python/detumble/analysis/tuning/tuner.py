@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from detumble.analysis.trials import Trials
-from detumble.analysis.tuning.flights import Flights, Setting, check_whole, header
+from detumble.analysis.tuning.flights import Flights, Setting, header
 from detumble.analysis.tuning.gains import mean_acceleration
 from detumble.analysis.tuning.objective import Objective
 from detumble.analysis.tuning.provenance import told
 from detumble.analysis.tuning.record import Record
 from detumble.analysis.tuning.search import minimise
 from detumble.analysis.tuning.space import space_of
+from detumble.checking import MOST_SEED, whole
 from detumble.errors import RequestError
-from detumble.flight import MOST_SEED
-from detumble.scenario.files import load
+from detumble.scenario.files import given
 from detumble.scenario.model import Scenario
 
 if TYPE_CHECKING:
@@ -171,13 +171,15 @@ def tune(
         ScenarioError: the scenario cannot be flown.
     """
     began = time.perf_counter()
-    scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
+    scenario = given(scenario)
     objective = objective or Objective()
     setting = Setting(budget, starts, seed, seed if optimiser_seed is None else optimiser_seed, horizon, threads)
     space = space_of(scenario, law, form=form, stack=stack, fixed=fixed)
     objective.end(space.base)
     horizon = setting.resolved(space.base)
-    with Record(record, header(space, setting, horizon, {"objective": asdict(objective)}), resume=resume) as written:
+    with Record(
+        record, header(space, setting, horizon, {"objective": asdict(objective)}), resume=resume, budget=budget
+    ) as written:
         flights = Flights(space, setting, (objective,), written, watcher, horizon=horizon)
         initial = flights.own()
         minimise(lambda points: flights(points)[:, 0], space.point(space.own), budget - 1, setting.optimiser_seed)
@@ -221,9 +223,9 @@ def held_out(tuned: Tuned, runs: int, seed: int, *, threads: int | None = None) 
     Raises:
         RequestError: the seed is that of the search or none that a campaign takes, or there are no runs.
     """
+    runs, seed = whole("runs", runs, 1, 10**9), whole("seed", seed, 0, MOST_SEED)
     if seed == tuned.seed:
         raise RequestError(f"seed {seed}: is that of the search; other runs are needed to judge it")
-    check_whole(runs=(runs, 1, 10**9), seed=(seed, 0, MOST_SEED))
     objective = tuned.objective
     acceleration = mean_acceleration(tuned.initial)
 

@@ -24,7 +24,7 @@ class Misfit(Exception):
     """Why a dispersion does not fit its field: the key at fault, and the reason in words."""
 
     def __init__(self, key: str, text: str) -> None:
-        super().__init__(text)
+        super().__init__(key, text)
         self.key = key
         self.text = text
 

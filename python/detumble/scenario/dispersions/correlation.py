@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Field
 
+from detumble.checking import plain
 from detumble.scenario.section import Relation, Section
 
 _SLACK = 1e-9
@@ -70,8 +71,8 @@ class Correlation(Section):
         description="dispersed numbers, by path; of a vector one element: chaser.position.x",
         json_schema_extra={"minItems": 2},
     )
-    matrix: Annotated[Matrix, BeforeValidator(lambda value: value.tolist() if hasattr(value, "tolist") else value)] = (
-        Field(description="correlations, symmetric, ones on the diagonal, positive definite")
+    matrix: Annotated[Matrix, BeforeValidator(plain)] = Field(
+        description="correlations, symmetric, ones on the diagonal, positive definite"
     )
 
     relations: ClassVar[tuple[Relation, ...]] = (

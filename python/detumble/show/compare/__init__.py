@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from detumble.results import results_folder
 from detumble.show.compare.changes import draw_changes
 from detumble.show.compare.pairs import draw_pairs
 from detumble.show.compare.times import draw_times
 from detumble.show.style import save, styled
-from detumble.writing import output_folder
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -34,5 +34,5 @@ def draw(comparison: Comparison, folder: Path) -> list[Path]:
     pictures = {"capture-times": draw_times, "pairs": draw_pairs}
     if comparison.plan.robust:
         pictures["robustness"] = draw_changes
-    with output_folder(folder), styled():
+    with results_folder(folder, ["*.png"]), styled():
         return [save(picture(comparison), [folder / f"{name}.png"])[0] for name, picture in pictures.items()]

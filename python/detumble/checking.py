@@ -1,0 +1,126 @@
+"""What counts as a number, in every public call and every scenario field: one door.
+
+Python's and numpy's numbers count, and arrays and sequences of them (xarray's and pandas' own too). Booleans, text, bytes and
+numbers that carry another unit do not.
+"""
+
+from __future__ import annotations
+
+import math
+from numbers import Integral, Real
+from typing import TYPE_CHECKING, Any
+
+from detumble.errors import RequestError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+MOST_SEED = 2**64 - 1
+
+
+def plain(value: Any) -> Any:
+    """Give numbers as Python's own, arrays and sequences of them as lists; anything else as it is, to be refused.
+
+    Args:
+        value: a number, or an array or a list or tuple of numbers, nested as it may be.
+    """
+    if isinstance(value, bool | str | bytes | bytearray):
+        return value
+    if isinstance(value, Integral):
+        return int(value)
+    if isinstance(value, float):
+        return float(value)
+    if isinstance(value, list | tuple):
+        return [plain(element) for element in value]
+    if hasattr(value, "__array__"):
+        import numpy as np
+
+        array = np.asarray(value)
+        if array.dtype.kind in "iuf" and not np.ma.is_masked(value):
+            return array.tolist()
+        return [plain(element) for element in array] if array.dtype.kind == "O" and array.ndim else value
+    if isinstance(value, Real):
+        return float(value)
+    return value
+
+
+def unit_of(value: Any) -> str:
+    """Give the unit that a value carries, as xarray, pint and astropy do; empty for none."""
+    attributes = getattr(value, "attrs", None)
+    carried = attributes.get("units") if isinstance(attributes, dict) else None
+    carried = carried or getattr(value, "units", None) or getattr(value, "unit", None)
+    return "" if carried is None or callable(carried) or str(carried) in ("1", "dimensionless") else str(carried)
+
+
+def whole(name: str, value: Any, least: int, most: int) -> int:
+    """Read a whole number.
+
+    Args:
+        name: of the argument.
+        value: what was given.
+        least, most: ends of the range, both allowed.
+
+    Raises:
+        RequestError: it is none, or lies outside.
+    """
+    number = plain(value)
+    if isinstance(number, bool) or not isinstance(number, int) or not least <= number <= most:
+        upper = "2^64 - 1" if most == MOST_SEED else most
+        raise RequestError(f"{name} {met(value)}: must be a whole number from {least} to {upper}")
+    return number
+
+
+def real(
+    name: str, value: Any, *, above: float = -math.inf, least: float = -math.inf, most: float = math.inf, unit: str = ""
+) -> float:
+    """Read a finite number.
+
+    Args:
+        name: of the argument.
+        value: what was given.
+        above: lower bound, excluded.
+        least: lower bound, allowed.
+        most: upper bound, allowed.
+        unit: for the message.
+
+    Raises:
+        RequestError: it is none, or lies outside.
+    """
+    number = plain(value)
+    fine = isinstance(number, int | float) and not isinstance(number, bool) and unit_of(value) in ("", unit)
+    if not fine or not (math.isfinite(number) and above < number and least <= number <= most):
+        bounds = (("greater than", above), ("at least", least), ("at most", most))
+        said = " and ".join(f"{words} {bound:.10g}" for words, bound in bounds if math.isfinite(bound))
+        raise RequestError(f"{name} {met(value)}{f' {unit}' if unit else ''}: must be a finite number {said}".rstrip())
+    return float(number)
+
+
+def wholes(owner: object, **ranges: tuple[int, int]) -> None:
+    """Read attributes of a frozen object that are whole numbers, each with the least and the most it may be.
+
+    Raises:
+        RequestError: naming the first that is none, or lies outside.
+    """
+    for name, (least, most) in ranges.items():
+        object.__setattr__(owner, name, whole(name, getattr(owner, name), least, most))
+
+
+def choice(name: str, value: Any, choices: Iterable[str]) -> str:
+    """Read one of several words.
+
+    Raises:
+        RequestError: it is none of them; a near one is suggested.
+    """
+    from detumble.scenario.wording import did_you_mean
+
+    known = list(choices)
+    if not isinstance(value, str) or value not in known:
+        hint = did_you_mean(value, known) if isinstance(value, str) else ""
+        raise RequestError(f"{name} {met(value)}: must be one of {', '.join(known)}{hint}")
+    return value
+
+
+def met(value: Any) -> str:
+    """Write what was met, as Python would, shortened to fit a line."""
+    text = " ".join(repr(plain(value)).split())
+    return text if len(text) <= 72 else text[:69] + "..."

@@ -1,0 +1,171 @@
+"""Folders of results, in which nothing is replaced but what was written there before and has not been changed since.
+
+A hidden file keeps a hash of every file that was written. It is written ahead of the file itself, so that a process that is
+killed in between leaves nothing that the next one would not know.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from typing import TYPE_CHECKING
+
+from detumble.errors import RequestError
+from detumble.locking import locked
+from detumble.writing import before_replacing, output_folder, read_bytes, reason
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
+
+LEDGER = ".detumble.json"
+"""Name of the hidden file."""
+_MOST_BYTES = 2**24
+"""Of the hidden file."""
+
+
+@contextmanager
+def results_folder(folder: Path | None, files: Sequence[str], source: str | os.PathLike[str] = "") -> Iterator[None]:
+    """Work in a folder of results: it is created, kept for this process, and its foreign files are not touched.
+
+    Every file that is written by `detumble.writing` meanwhile, in the folder or beneath, is entered in the hidden file.
+
+    Args:
+        folder: of the results; None asks for none.
+        files: patterns of what will be written, relative to the folder: refused now rather than after long work.
+        source: file that the work reads; it is not replaced either.
+
+    Raises:
+        RequestError: the folder takes no files, a file of that name stands there that was not written here or was changed
+            since, or another process writes here.
+    """
+    if folder is None:
+        yield
+        return
+    with output_folder(folder):
+        refuse_foreign(folder, files, source)
+        if _covering(folder) is not None:
+            yield
+            return
+        with _alone(folder):
+            ledger = _Ledger(folder)
+            tokens = _open.set(ledger), before_replacing.set(ledger.enter)
+            try:
+                yield
+            finally:
+                _open.reset(tokens[0])
+                before_replacing.reset(tokens[1])
+
+
+_open: ContextVar[_Ledger | None] = ContextVar("_open", default=None)
+"""Of the folder that is being worked in."""
+
+
+def _covering(folder: Path) -> _Ledger | None:
+    """Give the ledger that is open, if the folder is its own or lies within."""
+    ledger = _open.get()
+    return ledger if ledger is not None and folder.resolve().is_relative_to(ledger.folder) else None
+
+
+def refuse_foreign(folder: Path, files: Sequence[str], source: str | os.PathLike[str] = "") -> None:
+    """Make sure that files of a folder may be replaced.
+
+    Args:
+        folder: need not exist.
+        files: patterns, relative to the folder.
+        source: file that the work reads.
+
+    Raises:
+        RequestError: naming the files that must stay.
+    """
+    there = sorted({path for pattern in files for path in folder.glob(pattern)})
+    with suppress(OSError, ValueError):
+        for path in there:
+            if source and path.samefile(source):
+                raise RequestError(f"{path}: is read here, and would be replaced; choose another folder")
+    ledger = _covering(folder) or _Ledger(folder)
+    foreign = [path for path in there if not ledger.knows(path)]
+    if foreign:
+        named = ", ".join(path.relative_to(folder).as_posix() for path in foreign[:3])
+        more = f" and {len(foreign) - 3} more" if len(foreign) > 3 else ""
+        raise RequestError(f"{folder}: {_FOREIGN.format(named + more)}")
+
+
+_FOREIGN = "{}: not written by detumble, or changed since, and would be replaced; move it away or choose another folder"
+
+
+class _Ledger:
+    """What was written into a folder and beneath it.
+
+    Args:
+        folder: the folder.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder.resolve()
+        self._hashes: dict[str, list[str]] = {}
+        with suppress(OSError, ValueError):
+            found = json.loads(read_bytes(self.folder / LEDGER, _MOST_BYTES))
+            if isinstance(found, dict) and isinstance(found.get("files"), dict):
+                self._hashes = {name: hashes for name, hashes in found["files"].items() if isinstance(hashes, list)}
+
+    def knows(self, path: Path) -> bool:
+        """Tell whether a file is as it was written here."""
+        hashes = self._hashes.get(self._name(path))
+        if hashes is None or not path.is_file():
+            return False
+        try:
+            return _hash(path) in hashes
+        except OSError:
+            return False
+
+    def enter(self, path: Path, finished: Path) -> None:
+        """Enter a file that is about to be put in place.
+
+        Raises:
+            RequestError: another file stands there, or the hidden file cannot be written.
+        """
+        if not path.resolve().is_relative_to(self.folder):
+            return
+        new = _hash(finished)
+        old = [_hash(path)] if path.is_file() else []
+        if old and old != [new] and not self.knows(path):
+            raise RequestError(f"{self.folder}: {_FOREIGN.format(path.name)}")
+        self._hashes[self._name(path)] = sorted({*old, new})
+        temporary = self.folder / f"{LEDGER}.{os.getpid()}"
+        try:
+            temporary.write_text(json.dumps({"files": self._hashes}, indent=1) + "\n", encoding="utf-8")
+            temporary.replace(self.folder / LEDGER)
+        finally:
+            with suppress(OSError):
+                temporary.unlink()
+
+    def _name(self, path: Path) -> str:
+        found = path.parent.resolve() / path.name
+        return found.relative_to(self.folder).as_posix() if found.is_relative_to(self.folder) else str(found)
+
+
+def _hash(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Keep other processes from writing results here; where folders cannot be locked, nobody is kept out."""
+    try:
+        descriptor = os.open(folder, os.O_RDONLY)
+    except PermissionError:  # Windows opens no folder
+        yield
+        return
+    except OSError as error:
+        raise RequestError(f"{folder}: cannot be used as an output folder: {reason(error)}") from None
+    try:
+        if not locked(descriptor):
+            raise RequestError(f"{folder}: another process is writing results here")
+        yield
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,247 @@
+"""What was probably meant: units in the names of keys, symbols of papers, and values that are possible but seldom intended."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import TYPE_CHECKING, Any
+
+from detumble.checking import plain
+from detumble.scenario import physics
+from detumble.scenario.laws import LAWS, TsmcExponents
+from detumble.scenario.wording import did_you_mean, pretty, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from detumble.scenario.model import Scenario
+    from detumble.scenario.section import Section
+
+_TURN, _RPM = math.pi / 180.0, math.pi / 30.0
+UNITS = {
+    "rad": (1.0, "rad"), "mrad": (1e-3, "rad"), "deg": (_TURN, "rad"), "arcmin": (_TURN / 60, "rad"),
+    "arcsec": (_TURN / 3600, "rad"), "rad_s": (1.0, "rad/s"), "mrad_s": (1e-3, "rad/s"), "deg_s": (_TURN, "rad/s"),
+    "deg_per_s": (_TURN, "rad/s"), "dps": (_TURN, "rad/s"), "rpm": (_RPM, "rad/s"), "hz": (2 * math.pi, "rad/s"),
+    "km": (1e3, "m"), "m": (1.0, "m"), "cm": (1e-2, "m"), "mm": (1e-3, "m"), "um": (1e-6, "m"),
+    "km_s": (1e3, "m/s"), "m_s": (1.0, "m/s"), "cm_s": (1e-2, "m/s"), "mm_s": (1e-3, "m/s"),
+    "t": (1e3, "kg"), "kg": (1.0, "kg"), "g": (1e-3, "kg"), "lb": (0.45359237, "kg"),
+    "s": (1.0, "s"), "ms": (1e-3, "s"), "min": (60.0, "s"), "h": (3600.0, "s"), "days": (86400.0, "s"),
+    "kn": (1e3, "N"), "n": (1.0, "N"), "mn": (1e-3, "N"), "un": (1e-6, "N"),
+    "nm": (1.0, "N m"), "n_m": (1.0, "N m"), "mnm": (1e-3, "N m"), "mn_m": (1e-3, "N m"), "unm": (1e-6, "N m"),
+    "kg_m2": (1.0, "kg m^2"), "kgm2": (1.0, "kg m^2"), "kg_cm2": (1e-4, "kg m^2"), "kg_mm2": (1e-6, "kg m^2"),
+    "g_cm2": (1e-7, "kg m^2"), "m3_s2": (1.0, "m^3/s^2"), "km3_s2": (1e9, "m^3/s^2"),
+}  # fmt: skip
+"""Endings of keys, what they are in SI, and that unit."""
+
+_FIELD_UNITS = {"deg": (_TURN, "rad")}
+"""Units of fields that are not SI."""
+
+
+_BODY = {"m": "mass", "I": "inertia", "J": "inertia", "q": "attitude"}
+_OMEGA = ("omega", "ω", "w", "angular_velocity")
+_LAYER = dict.fromkeys(("phi", "φ", "ϕ", "Φ", "delta", "δ"), "layer")
+_SLOPE = dict.fromkeys(("c", "Lambda", "Λ", "λ"), "slope")
+_GAIN = dict.fromkeys(("k", "K"), "gain")
+SYMBOLS: dict[str, dict[str, str]] = {
+    "orbit": {"a": "radius", "R": "radius", "h": "altitude", "GM": "mu", "μ": "mu", "R_E": "earth_radius"},
+    "chaser": {
+        **_BODY, **dict.fromkeys(("r", "r_0", "r_CD", "rho", "ρ"), "position"), **dict.fromkeys(("v", "v_0"), "velocity"),
+        **dict.fromkeys((*_OMEGA, "omega_c", "ω_c", "w_c", "omega_CN"), "rate"),
+        "q_c": "attitude", "m_c": "mass", "I_c": "inertia", "J_c": "inertia", "p_C": "grasp_point",
+    },
+    "debris": {
+        **_BODY, **dict.fromkeys((*_OMEGA, "omega_d", "omega_t", "ω_d", "w_d", "omega_DN", "rate"), "tumble_rate"),
+        "q_d": "attitude", "m_d": "mass", "I_d": "inertia", "J_d": "inertia", "p_D": "grasp_point",
+    },
+    "goal": {"r_des": "position", "r_d": "position", "r_ref": "position", "a_des": "acceleration_feedforward"},
+    "capture": {
+        **dict.fromkeys(("d", "r"), "distance"), **dict.fromkeys(("theta", "θ"), "angle_deg"), **dict.fromkeys(_OMEGA, "rate"),
+        "v": "speed",
+    },
+    "actuators": {
+        **dict.fromkeys(("F_max", "U_max", "u_max"), "force_limit"),
+        **dict.fromkeys(("tau_max", "τ_max", "T_max", "M_max"), "torque_limit"),
+    },
+    "sensors": {
+        f"{sigma}_{of}": f"{what}_sigma"
+        for sigma in ("sigma", "σ")
+        for what, symbols in {
+            "position": ("r", "pos"), "velocity": ("v", "vel"), "attitude": ("q", "theta", "θ"), "rate": ("w", "omega", "ω")
+        }.items()
+        for of in symbols
+    },
+    "pd": {"K_p": "kp", "K_d": "kd"},
+    "lqr.translation": {**dict.fromkeys(("q_r", "q_e", "q_x", "Q"), "q_error"), "q_v": "q_rate", "R": "r"},
+    "lqr.rotation": {
+        **dict.fromkeys(("q_eps", "q_ε", "q_q", "q_theta", "q_θ", "q_r", "Q"), "q_error"),
+        **dict.fromkeys(("q_w", "q_omega", "q_ω"), "q_rate"), "R": "r",
+    },
+    "sosmc": {**_SLOPE, **_GAIN, **_LAYER, "alpha": "proportional", "α": "proportional"},
+    "tsmc": {**_SLOPE, **_GAIN, **_LAYER, "alpha": "slope", "α": "slope", "beta": "gain", "β": "gain"},
+    "prrl": {**_SLOPE, **_GAIN, **_LAYER, "α": "alpha"},
+}  # fmt: skip
+"""What papers call our fields, by table; a law's symbols hold in both of its channels."""
+
+
+def unknown_key(owner: type[Section] | None, name: str, value: Any) -> str:
+    """Say what an unknown key was probably meant to be.
+
+    Args:
+        owner: the section that has no such field; None where that is not known.
+        name: of the key.
+        value: that was given.
+    """
+    if owner is None:
+        return "unknown key"
+    return (
+        f"unknown key{_converted(owner, name, value) or _symbol(owner, name) or did_you_mean(name, owner.model_fields)}"
+    )
+
+
+def _converted(owner: type[Section], name: str, value: Any) -> str:
+    """Where the key names a unit: the field, its unit, and the value converted."""
+    from detumble.scenario.faults import quantity_of
+
+    folded = name.lower()
+    for ending in sorted(UNITS, key=len, reverse=True):
+        if not folded.endswith(f"_{ending}"):
+            continue
+        factor, unit = UNITS[ending]
+        stem = folded.removesuffix(f"_{ending}")
+        for field, info in owner.model_fields.items():
+            quantity = quantity_of(info)
+            if quantity is None or stem not in (field, re.sub(r"_(deg)$", "", field)):
+                continue
+            scale, base = _FIELD_UNITS.get(quantity.unit, (1.0, quantity.unit))
+            said = f"; did you mean {field}, in {pretty(quantity.unit) or 'pure numbers'}"
+            per_second = base == f"{unit}/s"  # a rate typed under the unit of an angle or a length
+            number = _times(plain(value), factor / scale) if base == unit or per_second else None
+            if number is None:
+                return f"{said}?"
+            given = pretty(ending.replace("_per_", "/").replace("_s2", "/s^2").replace("_s", "/s").replace("_", " "))
+            given = re.sub(r"(?<=m)([23])", r"^\1", given) + ("/s" if per_second else "")
+            return f"{said}? {shown(value)} {pretty(given)} is {shown(number)} {pretty(quantity.unit)}"
+    return ""
+
+
+def _times(value: Any, factor: float) -> Any:
+    """Multiply a number, or a list of them; None for anything else."""
+    if isinstance(value, list):
+        values = [_times(element, factor) for element in value]
+        return None if None in values else values
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    return float(f"{value * factor:.6g}")
+
+
+def _symbol(owner: type[Section], name: str) -> str:
+    """Where the key is what papers call a field: its name here, also in one or two of the tables beneath."""
+    from detumble.scenario.faults import section_of
+
+    beneath = {table: section_of(info.annotation) for table, info in owner.model_fields.items() if table != "stack"}
+    found = [_named(owner, name)] if _named(owner, name) else [
+        f"{table}.{field}" for table, inner in beneath.items() if inner is not None and (field := _named(inner, name))
+    ]  # fmt: skip
+    return f"; did you mean {' and '.join(found)}?" if 0 < len(found) <= 2 else ""
+
+
+def _named(owner: type[Section], name: str) -> str:
+    """Give the field of a section that a symbol stands for; empty for none."""
+    table = owner.table().rstrip(".")
+    symbols = SYMBOLS.get(table) or SYMBOLS.get(table.partition(".")[0], {})
+    folded = {symbol.lower().replace("_", ""): field for symbol, field in symbols.items()}
+    field = symbols.get(name) or folded.get(name.lower().replace("_", ""), "")
+    return field if field in owner.model_fields else ""
+
+
+FAST = 1.0
+"""Rates above this, rad/s (57 °/s), are asked about: they may have been meant in degrees."""
+LOOSE = 0.1
+"""Attitude noise above this, rad (5.7 degrees), likewise."""
+GYRATION, OF_MASS = 30.0, 9.0
+"""Radius of gyration, m, that no spacecraft of 9 kg has; of other masses in proportion to the cube root."""
+FAR = 0.01
+"""Share of the orbit's radius up to which the Hill–Clohessy–Wiltshire equations are used here without a word."""
+
+
+def warnings(scenario: Scenario, law: str | None = None) -> tuple[str, ...]:
+    """Name values of a scenario that are possible, but seldom what was meant.
+
+    Args:
+        scenario: any.
+        law: that flies; None looks at the gains of all laws.
+    """
+    return (*_rates(scenario), *_bodies(scenario), *_distances(scenario), *_exponents(scenario, law))
+
+
+def _rates(scenario: Scenario) -> Iterator[str]:
+    fields = ("chaser.rate", "debris.tumble_rate", "capture.rate", "settled.rate", "sensors.rate_sigma")
+    for path in fields:
+        value = scenario.at(path)
+        size = math.hypot(*value) if isinstance(value, tuple) else value
+        if size > FAST:
+            yield (
+                f"{path}: {size:.4g} rad/s is {math.degrees(size):.4g} °/s; if degrees were meant: "
+                f"{shown(_times(plain(value), _TURN))} rad/s"
+            )
+    sigma = scenario.sensors.attitude_sigma
+    if sigma > LOOSE:
+        yield (
+            f"sensors.attitude_sigma: {sigma:.4g} rad is {math.degrees(sigma):.4g}°; if degrees were meant: "
+            f"{sigma * _TURN:.4g} rad"
+        )
+
+
+def _bodies(scenario: Scenario) -> Iterator[str]:
+    for name in ("chaser", "debris"):
+        body = getattr(scenario, name)
+        changed = physics.made_exact(body.inertia)
+        if changed:
+            yield f"{name}.inertia {changed}"
+        moments = physics.tensor(body.inertia)
+        radius = math.sqrt(max(moments[axis][axis] for axis in range(3)) / body.mass)
+        most = GYRATION * math.cbrt(body.mass / OF_MASS)
+        if radius > most:
+            yield (
+                f"{name}.inertia: of {body.mass:.4g} kg this is a radius of gyration of {radius:.4g} m; no spacecraft of that "
+                "mass has more than some metres: kg m² are needed"
+            )
+    for name in ("chaser_inertia", "stack_inertia"):
+        inertia = getattr(scenario.belief, name)
+        changed = physics.made_exact(inertia, rigid=False) if inertia is not None else None
+        if changed:
+            yield f"belief.{name} {changed}"
+
+
+def _distances(scenario: Scenario) -> Iterator[str]:
+    distance = math.hypot(*scenario.chaser.position)
+    text = far_away(distance, scenario)
+    if text:
+        yield f"chaser.position: {text}"
+
+
+def far_away(distance: float, scenario: Scenario) -> str:
+    """Say that a distance, m, is too far for the equations of relative motion; empty where it is not."""
+    radius = scenario.orbit.distance
+    if distance <= FAR * radius:
+        return ""
+    return (
+        f"{distance:.4g} m is {100 * distance / radius:.2g} % of the orbit's radius; the Hill–Clohessy–Wiltshire equations are "
+        "of first order in that"
+    )
+
+
+def _exponents(scenario: Scenario, law: str | None) -> Iterator[str]:
+    for name in LAWS if law is None else (law,):
+        gains = getattr(scenario.laws, name, None)
+        if name == "none" or gains is None:
+            continue
+        for channel in ("translation", "rotation", "stack.translation", "stack.rotation"):
+            own = gains.at(channel)
+            ending = "" if gains.form == "printed" else "_corrected"
+            if isinstance(own, TsmcExponents) and not {f"p{ending}", f"q{ending}"} <= own.model_fields_set:
+                p, q = own.exponent(gains.form)
+                yield (
+                    f"laws.{name}.{channel}: the {gains.form} form flies p{ending}/q{ending} = {p}/{q}, not given here in full: "
+                    "the rest is the default, ours"
+                )
