@@ -7,13 +7,11 @@ numbers that carry another unit do not.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from numbers import Integral, Real
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeVar
 
 from detumble.errors import RequestError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 MOST_SEED = 2**64 - 1
 
@@ -118,6 +116,38 @@ def choice(name: str, value: Any, choices: Iterable[str]) -> str:
         hint = did_you_mean(value, known) if isinstance(value, str) else ""
         raise RequestError(f"{name} {met(value)}: must be one of {', '.join(known)}{hint}")
     return value
+
+
+Kind = TypeVar("Kind")
+
+
+def instance(name: str, value: object, kind: type[Kind], wanted: str) -> Kind:
+    """Make sure that an argument is of a type.
+
+    Args:
+        name: of the argument.
+        value: what was given.
+        kind: the type.
+        wanted: what is allowed, in words.
+
+    Raises:
+        RequestError: it is of another.
+    """
+    if not isinstance(value, kind):
+        raise RequestError(f"{name} {met(value)}: must be {wanted}")
+    return value
+
+
+def texts(name: str, values: object) -> list[str]:
+    """Read a list of texts; one text alone is not taken for a list of its letters.
+
+    Raises:
+        RequestError: it is none.
+    """
+    wanted = "a list of texts"
+    if isinstance(values, str | bytes) or not isinstance(values, Iterable):
+        raise RequestError(f"{name} {met(values)}: must be {wanted}")
+    return [instance(name, value, str, wanted) for value in values]
 
 
 def met(value: Any) -> str:

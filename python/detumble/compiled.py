@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from detumble.checking import instance
 from detumble.errors import RequestError
 from detumble.scenario.wording import did_you_mean
 
@@ -33,6 +34,8 @@ def checked_backend(name: str | None) -> str | None:
         RequestError: there is no such back end here.
     """
     known: list[str] = core().backends()
+    if name is not None:
+        instance("backend", name, str, f"one of {', '.join(known)}")
     if name is not None and name not in known:
         raise RequestError(
             f"no back end {name!r} on this machine{did_you_mean(name, known)}; there are {', '.join(known)}"

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from detumble.campaigns.flying import Flown, fly_runs
 from detumble.campaigns.recipe import Recipe
+from detumble.checking import instance
 from detumble.errors import RequestError
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ class Cluster:
         self._backend = backend
         self._local: Any = None
         if scheduler is not None:
-            _await(scheduler)
+            _await(instance("scheduler", scheduler, str, "an address such as tcp://host:8786"))
         else:
             try:
                 with dask.config.set(_SETTINGS):

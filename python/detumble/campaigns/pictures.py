@@ -11,6 +11,7 @@ import polars as pl
 from detumble.campaigns import draws
 from detumble.campaigns.inputs import drawn_columns, inputs
 from detumble.campaigns.rows import SUCCEEDED, drawn_names
+from detumble.checking import texts
 from detumble.errors import RequestError
 from detumble.results import results_folder
 from detumble.scenario.dispersions.fitting import fields
@@ -100,7 +101,7 @@ def check_map(scenario: Scenario, over: Sequence[str]) -> None:
     Raises:
         RequestError: they are not two, or not drawn.
     """
-    if not over:
+    if not texts("over", over):
         return
     drawn: dict[str, Array] = {}
     for path, values in draws.draw(scenario, 0, 0, 2).items():

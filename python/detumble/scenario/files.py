@@ -10,7 +10,7 @@ import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from detumble.checking import met
+from detumble.checking import instance, met, texts
 from detumble.errors import Fault, RequestError, ScenarioError
 from detumble.scenario.faults import is_text, section_at, validated
 from detumble.scenario.model import Scenario
@@ -106,7 +106,7 @@ def from_toml(text: str, source: str = "scenario") -> Scenario:
     Raises:
         ScenarioError: as for `load`.
     """
-    tables = _tables(text, source)
+    tables = _tables(instance("text", text, str, "the text of a scenario file"), source)
     if _deep(tables):
         raise ScenarioError(source, problem=f"tables nest more than {MOST_DEPTH} deep; a scenario's never do")
     return validated(tables, source)
@@ -171,7 +171,7 @@ def with_settings(scenario: Scenario, settings: Iterable[str], source: str = "")
     """
     source = source or scenario.title
     raw, faults = copy.deepcopy(scenario.to_dict()), []
-    for setting in settings:
+    for setting in texts("settings", settings):
         path, equals, text = setting.partition("=")
         if not equals or not path.strip():
             raise RequestError(f"--set {setting}: must be field=value, such as chaser.mass=12")

@@ -29,7 +29,8 @@ from detumble.analysis.trials import Trials
 from detumble.analysis.tuning import tune
 from detumble.analysis.tuning.gains import mean_acceleration
 from detumble.analysis.tuning.horizon import default_horizon
-from detumble.checking import MOST_SEED, whole
+from detumble.checking import MOST_SEED, instance, whole
+from detumble.errors import RequestError
 from detumble.results import results_folder
 from detumble.scenario.files import given
 from detumble.scenario.laws import LAWS
@@ -71,7 +72,7 @@ def compare(
         ScenarioError: the scenario cannot be flown.
     """
     scenario = given(scenario)
-    plan = plan or Plan()
+    plan = Plan() if plan is None else instance("plan", plan, Plan, "a Plan")
     if entries is None:
         entries = entries_of([law for law in LAWS if not plan.as_given or getattr(scenario.laws, law) is not None])
     check_entries(entries, scenario, as_given=plan.as_given)

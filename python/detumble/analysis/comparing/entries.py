@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
+from detumble.checking import choice, instance, texts
 from detumble.errors import RequestError
 from detumble.scenario.laws import LAWS, TITLES
 from detumble.scenario.wording import did_you_mean
@@ -78,8 +79,8 @@ def entries_of(laws: Iterable[str] = LAWS, forms: Iterable[Form] = FORMS) -> tup
     Raises:
         RequestError: there is no such law.
     """
-    forms = tuple(forms)
-    return tuple(Entry.of(law, form) for law in map(_check, laws) for form in forms)
+    known = [cast("Form", choice("form", form, FORMS)) for form in texts("forms", forms)]
+    return tuple(Entry.of(law, form) for law in map(_check, texts("laws", laws)) for form in known)
 
 
 def check_entries(entries: Sequence[Entry], scenario: Scenario, *, as_given: bool) -> None:
@@ -94,11 +95,12 @@ def check_entries(entries: Sequence[Entry], scenario: Scenario, *, as_given: boo
         RequestError: there are fewer than two, two have one name, a name cannot be a file's, or a law has no gains that could be
             flown as given.
     """
+    instance("entries", entries, list | tuple, "a list of Entry")  # type: ignore[arg-type]  # a union is no type to mypy
     if len(entries) < 2:
         raise RequestError(f"entries: {len(entries)} given; a comparison needs at least two")
     met: dict[str, str] = {}
     for entry in entries:
-        _check(entry.law)
+        _check(instance("entries", entry, Entry, "a list of Entry").law)
         if as_given and getattr(scenario.laws, entry.law) is None:
             known = [law for law in LAWS if getattr(scenario.laws, law) is not None]
             raise RequestError(
@@ -115,6 +117,4 @@ def check_entries(entries: Sequence[Entry], scenario: Scenario, *, as_given: boo
 
 
 def _check(law: str) -> str:
-    if law not in LAWS:
-        raise RequestError(f"law {law!r}: must be one of {', '.join(LAWS)}{did_you_mean(law, LAWS)}")
-    return law
+    return choice("law", law, LAWS)

@@ -1,23 +1,26 @@
 """How long the flights of a search last: long enough that no sensible gains are cut off, the same for every law.
 
-    horizon = min(duration, 10 t + 60 s + campaign.hold)
+    horizon = min(duration, 10 t + max(60 s, 10 d) + campaign.hold)
 
 t is the median over the first training starts of the earliest time at which any controller under the limits could capture
-(`detumble.analysis.bounds.earliest`), with nominal bodies and limits.
+(`detumble.analysis.bounds.earliest`), with nominal bodies and limits; d is the median of the least time that detumbling then
+takes from a capture without error (`detumble.analysis.bounds.detumbling`), 0 where the bodies do not merge.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from detumble.analysis.bounds.detumbling import detumble_bound
 from detumble.analysis.bounds.earliest import minimum_capture_times
 from detumble.analysis.bounds.pursuit import Pursuit, start_of
 from detumble.analysis.trials import Trials
 
 if TYPE_CHECKING:
+    from detumble.analysis.bounds.tumble import Array
     from detumble.scenario.model import Scenario
 
 STARTS = 32
@@ -50,5 +53,21 @@ def default_horizon(scenario: Scenario, seed: int, starts: int = STARTS) -> floa
             rows[:, place : place + values.shape[1]] = values
     distinct = rows[:1] if (rows == rows[0]).all() else rows
     earliest = float(np.median(minimum_capture_times(Pursuit.of(plain), distinct)))
-    wanted, period = 10.0 * earliest + 60.0 + scenario.campaign.hold, scenario.time.control_period
+    settling = max(60.0, 10.0 * _detumbling(plain, distinct)) if scenario.capture.merge else 60.0
+    wanted, period = 10.0 * earliest + settling + scenario.campaign.hold, scenario.time.control_period
     return scenario.time.duration if wanted >= scenario.time.duration else math.ceil(wanted / period) * period
+
+
+def _detumbling(plain: dict[str, Any], starts: Array) -> float:
+    """Give the median least time from a perfect capture to settled, s; 0 where nothing bounds it.
+
+    Args:
+        plain: nominal case.
+        starts: (n, 20) rows of the bounds.
+    """
+    times = []
+    for row in starts:
+        own = {name: row[place : place + len(plain["start"][name])].tolist() for name, place in _PLACES.items()}
+        times.append(detumble_bound(plain | {"start": own}).matched)
+    median = float(np.median(times))
+    return median if math.isfinite(median) else 0.0

@@ -16,7 +16,7 @@ from detumble.analysis.tuning.provenance import told
 from detumble.analysis.tuning.record import Record
 from detumble.analysis.tuning.search import minimise
 from detumble.analysis.tuning.space import space_of
-from detumble.checking import MOST_SEED, whole
+from detumble.checking import MOST_SEED, instance, whole
 from detumble.errors import RequestError
 from detumble.scenario.files import given
 from detumble.scenario.model import Scenario
@@ -172,7 +172,7 @@ def tune(
     """
     began = time.perf_counter()
     scenario = given(scenario)
-    objective = objective or Objective()
+    objective = Objective() if objective is None else instance("objective", objective, Objective, "an Objective")
     setting = Setting(budget, starts, seed, seed if optimiser_seed is None else optimiser_seed, horizon, threads)
     space = space_of(scenario, law, form=form, stack=stack, fixed=fixed)
     objective.end(space.base)
