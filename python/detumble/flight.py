@@ -111,7 +111,7 @@ def simulate(
 
     Args:
         scenario: a scenario, or what `load` takes.
-        law: one of `LAWS`, or `none` for open loop; None is the only one that the scenario has gains for, else `prrl`.
+        law: one of `LAWS`, or `none` for open loop; None is the only one with gains here, else `prrl`.
         seed: of the sensor noise, 0 to 2^64 - 1.
         index: number of the trajectory under that seed: each has its own noise.
         backend: `portable`, `avx2`, `avx512`; None takes the core's choice. Noise does not depend on it.

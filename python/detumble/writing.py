@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 import stat
+import threading
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
-from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,7 +20,6 @@ before_replacing: ContextVar[Callable[[Path, Path], None] | None] = ContextVar("
 
 _LONGEST_STEM = 40
 """Characters of a file's name that the temporary one keeps: both have to fit what a file system allows."""
-_numbers = count()
 
 
 @contextmanager
@@ -41,8 +40,10 @@ def whole_file(path: Path) -> Iterator[Path]:
     try:
         before = _regular(path)
         place = Path(os.path.realpath(path))
-        named = f".{place.stem[:_LONGEST_STEM]}.{os.getpid()}-{next(_numbers)}{place.suffix[:_LONGEST_STEM]}"
-        temporary = place.with_name(named)
+        own = str(os.getpid())
+        if threading.current_thread() is not threading.main_thread():
+            own += f"-{threading.get_ident()}"
+        temporary = place.with_name(f".{place.stem[:_LONGEST_STEM]}.{own}{place.suffix[:_LONGEST_STEM]}")
     except ValueError:
         raise RequestError(f"{str(path)!r}: is no file name") from None
     except OSError as error:
@@ -74,7 +75,7 @@ def _regular(path: Path) -> os.stat_result | None:
     except FileNotFoundError:
         return None
     if not stat.S_ISREG(found.st_mode):
-        raise RequestError(f"{path}: {_kind(found.st_mode)}; only a regular file is replaced")
+        raise RequestError(f"{path}: cannot be written: {_kind(found.st_mode)}; only a regular file is replaced")
     return found
 
 
@@ -112,11 +113,14 @@ def read_bytes(path: Path, most: int) -> bytes:
         descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     except ValueError:
         raise ValueError("is no file name") from None
-    with os.fdopen(descriptor, "rb") as file:
-        found = os.fstat(file.fileno())
+    try:
+        found = os.fstat(descriptor)
         if not stat.S_ISREG(found.st_mode):
             raise ValueError(f"{_kind(found.st_mode)}; needed: a regular file")
-        content = file.read(most + 1) if found.st_size <= most else b""
+        with os.fdopen(descriptor, "rb", closefd=False) as file:
+            content = file.read(most + 1) if found.st_size <= most else b""
+    finally:
+        os.close(descriptor)
     if found.st_size > most or len(content) > most:
         raise ValueError(f"has {max(found.st_size, len(content))} bytes; at most {most} are read")
     return content

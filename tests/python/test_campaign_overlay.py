@@ -65,7 +65,22 @@ def scenarios() -> dict[str, Scenario]:
     grasping = {"chaser__grasp_point": [-0.1, 0.02, 0.01], "debris__grasp_point": [0.1, 0.2, -0.04]}
     after = {"position_after_capture": [0.0, 0.2, 0.1], "acceleration_feedforward": True}
     told = {"belief": {"stack": "true"}, "orbit": {"radius": 7071e3}}
-    return {"fixed goal": maximal(), "grasp points": maximal(**grasping, goal=after, **told)}
+    return {
+        "fixed goal": maximal(),
+        "grasp points": maximal(**grasping, goal=after, **told),
+        "own powers": with_own_powers(maximal()),
+    }
+
+
+def with_own_powers(scenario: Scenario) -> Scenario:
+    """Give PRRL-SMC an alpha in every channel of both sets, beside the one that they would share."""
+    gains = scenario.laws.prrl
+    assert gains is not None
+    assert gains.stack is not None
+    for number, channel in enumerate((gains.translation, gains.rotation, gains.stack.translation, gains.stack.rotation)):
+        assert channel is not None
+        channel.alpha = 0.6 + 0.05 * number
+    return scenario
 
 
 def spread(path: str, quantity: Quantity, nominal: Any) -> dict[str, Any]:
@@ -76,7 +91,7 @@ def spread(path: str, quantity: Quantity, nominal: Any) -> dict[str, Any]:
         return {"field": path, "distribution": "inertia", "relative": 0.05, "axes_sigma": 0.05}
     if path.startswith(("capture.", "settled.")):
         return {"field": path, "distribution": "uniform", "low": 0.01 * nominal, "high": 1.5 * nominal}
-    if path == "laws.prrl.alpha":
+    if path.endswith(".alpha"):
         return {"field": path, "distribution": "uniform", "low": 0.5, "high": 0.9}
     values = np.atleast_1d(nominal)
     width = 0.1 * np.abs(values).max()
@@ -108,10 +123,13 @@ def present(scenario: Scenario) -> list[str]:
 
 def unused(scenario: Scenario, path: str) -> bool:
     """Tell whether nothing depends on a field, whatever the law."""
+    if path == "laws.prrl.alpha":  # where each channel has one of its own
+        return all(scenario.at(f"laws.prrl.{table}rotation.alpha") is not None for table in ("", "stack."))
     return path == "orbit.earth_radius" and scenario.orbit.radius is not None
 
 
 EVERY = [("fixed goal", path) for path in present(scenarios()["fixed goal"])]
+EVERY += [("own powers", path) for path in present(scenarios()["own powers"]) if path.endswith(".alpha")]
 EVERY += [("grasp points", path) for path in present(scenarios()["grasp points"]) if not path.startswith("laws.")]
 
 
@@ -142,7 +160,7 @@ def test_every_field_is_in_one_of_the_scenarios() -> None:
     assert found == set(fields())
     assert len(found) > 80
     for path in found - set(UNLESS_GIVEN) - {"belief.stack_mass", "belief.stack_inertia"}:
-        assert ("fixed goal", path) in EVERY or path.endswith("grasp_point"), path
+        assert ("fixed goal", path) in EVERY or path.endswith(("grasp_point", ".alpha")), path
 
 
 @pytest.mark.parametrize(("name", "path"), EVERY, ids=lambda value: value.replace(" ", "-"))

@@ -183,7 +183,7 @@ def test_the_goal_is_a_position_or_two_grasp_points(paper: Scenario) -> None:
         (b"a = 1\nb = = 3\n", "not valid TOML: line 2, column 5"),
         (b"title = 'x'\ntitle = 'y'\n", "not valid TOML: line 2"),
         (b"title = \xff\n", "not UTF-8 text (byte 0xff at position 8)"),
-        (b"", "7 problems"),
+        (b"", "5 problems"),
     ],
 )
 def test_a_file_that_is_no_scenario_says_where(tmp_path: Path, content: bytes, words: str) -> None:

@@ -89,7 +89,7 @@ def campaign(
     Args:
         scenario: a scenario, or what `load` takes.
         law: one of `LAWS`, or `none` for open loop; None is the only one that the scenario has gains for, else `prrl`.
-        runs: how many. Run i is the same run whatever their number.
+        runs: how many; of a campaign that is continued at least those that it has. Run i is the same run whatever their number.
         seed: of all random numbers, 0 to 2^64 - 1.
         out: folder for the runs; None keeps them in a temporary one as long as the process lives.
         threads: of this process; None uses all processors.
@@ -127,6 +127,7 @@ def campaign(
     with closing(crew), _folder(out) as folder:
         about = crew.about() | {"machine": platform.machine(), "system": platform.platform()}
         with Store.create(folder, recipe, runs, about=about, resume=resume) as store:
+            runs = max(runs, store.flown())  # what is there already is counted too
             statistics, effort = _fly(store, crew, runs, until_ci, watcher)
         if out is None:
             atexit.register(shutil.rmtree, folder, ignore_errors=True)

@@ -118,7 +118,20 @@ class Store:
 
     def path(self, number: int) -> Path:
         """Say where a shard stands."""
-        return _shard(self.folder, number)
+        return self.folder / "shards" / f"shard-{number:06}.parquet"
+
+    def flown(self) -> int:
+        """Count the runs that are there, from the first on without a gap; what is damaged counts as missing."""
+        runs = 0
+        for number in range(self.recipe.shards(self.runs)):
+            try:
+                rows = rows_in(self.path(number), self.recipe.identity, number)
+            except (FileNotFoundError, Damage):
+                break
+            runs += rows
+            if rows < self.recipe.shard:
+                break
+        return runs
 
     def write(self, number: int, frame: pl.DataFrame) -> None:
         """Write a shard, whole or not at all; an older one is replaced.
@@ -211,11 +224,6 @@ def _begun(folder: Path, recipe: Recipe, runs: int, about: dict[str, Any], resum
             raise RequestError(f"{folder}: holds another campaign ({differences(before.recipe, recipe)})")
         if not resume:
             raise RequestError(f"{folder}: holds this campaign already, of {before.runs} runs; --resume continues it")
-        flown = _flown(folder, before)
-        if runs < flown:
-            raise RequestError(
-                f"{folder}: holds {flown} runs, more than the {runs} asked for: with --resume ask for at least as many"
-            )
     elif shards.is_dir() and any(shards.iterdir()):
         raise RequestError(f"{shards}: not empty, but there is no {MANIFEST} that says what it holds")
     try:
@@ -234,24 +242,6 @@ def _begun(folder: Path, recipe: Recipe, runs: int, about: dict[str, Any], resum
     if manifest != before:
         _write(folder / MANIFEST, manifest.text().encode())
     return manifest
-
-
-def _shard(folder: Path, number: int) -> Path:
-    return folder / "shards" / f"shard-{number:06}.parquet"
-
-
-def _flown(folder: Path, manifest: Manifest) -> int:
-    """Count the runs that a campaign has, from the first on without a gap; what is damaged counts as missing."""
-    recipe, runs = manifest.recipe, 0
-    for number in range(recipe.shards(manifest.runs)):
-        try:
-            rows = rows_in(_shard(folder, number), recipe.identity, number)
-        except (FileNotFoundError, Damage):
-            break
-        runs += rows
-        if rows < recipe.shard:
-            break
-    return runs
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -368,6 +368,6 @@ class Laws(Section):
 
     @property
     def default(self) -> str:
-        """The law that flies where none is named: the only one that the scenario has gains for, else PRRL-SMC."""
-        given = [*self.closed_loop, *(["none"] if self.none is not None else [])]
-        return given[0] if len(given) == 1 else "prrl"
+        """The law that flies where none is named: the only one that has gains, open loop where none has, else PRRL-SMC."""
+        laws = self.closed_loop or ["none"]
+        return laws[0] if len(laws) == 1 else "prrl"

@@ -358,9 +358,10 @@ class Scenario(Section):
 
     def to_toml(self) -> str:
         """Give the scenario as the text of its file, units beside the values."""
+        from detumble.scenario.files import given
         from detumble.scenario.toml import text_of
 
-        return text_of(self)
+        return text_of(given(self))
 
     def save(self, path: str | Path) -> None:
         """Write the scenario as TOML, whole or not at all.

@@ -54,11 +54,9 @@ def inertia_fault(inertia: Sequence[Any], *, rigid: bool = True) -> str | None:
         return "must be " + kind.format(", ".join(f"{moment:.6g}" for moment in moments))
     if moments[0] < LEAST_MOMENT:
         return f"has a principal moment of {moments[0]:.6g}; must be at least {number(LEAST_MOMENT)}"
-    if rigid and (excess := _excess(moments)) > TYPED:
-        return (
-            f"the largest principal moment ({moments[2]!r}) exceeds the sum of the others ({moments[0]!r} + {moments[1]!r}) "
-            f"by {100.0 * excess:.2g} %; no rigid body has that"
-        )
+    if rigid and _excess(moments) > TYPED:
+        others = moments[0] + moments[1]
+        return f"the largest principal moment exceeds the sum of the others ({others:.6g}); no rigid body has that"
     return None
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from decimal import Decimal
 from typing import Any
 
+from detumble.checking import plain
 from detumble.text import printable
 
 
@@ -27,8 +28,7 @@ def number(value: float) -> str:
 
 def shown(value: Any, width: int = 72) -> str:
     """Write a value much as TOML would, rounded and shortened to fit a line."""
-    if hasattr(value, "tolist"):
-        value = value.tolist()
+    value = plain(value)
     if isinstance(value, bool):
         text = str(value).lower()
     elif isinstance(value, float):
@@ -40,7 +40,7 @@ def shown(value: Any, width: int = 72) -> str:
     elif isinstance(value, dict):
         text = "{" + ", ".join(f"{key} = {shown(element, width)}" for key, element in value.items()) + "}"
     else:
-        text = str(value)
+        text = " ".join(printable(str(value), keep="").split())
     return text if len(text) <= width else text[: width - 3] + "..."
 
 
