@@ -65,7 +65,7 @@ def compare(
     from detumble.analysis.comparing.report import text_of
     from detumble.analysis.comparing.result import FILES
     from detumble.analysis.tuning import Objective
-    from detumble.results import refuse_foreign
+    from detumble.results import results_folder
 
     if resume and out is None:
         raise RequestError("--resume: needs --out, the folder to go on with")
@@ -74,8 +74,6 @@ def compare(
             raise RequestError("--held-out and --held-out-seed: are one option under two names; give the latter")
         remark("--held-out: is called --held-out-seed here, since --held-out of tune is a number of runs")
     chosen = scenario_of(scenario, [*(settings or ()), *(more or ())])
-    if out is not None:
-        refuse_foreign(out, FILES, scenario)
     plan = Plan(
         objective=Objective(cast("What", objective), percentile(statistic), required, cast("Until | None", until)),
         horizon=horizon,
@@ -88,7 +86,7 @@ def compare(
         robust=robust,
         as_given=as_given,
     )
-    with Stages(out) as stages:
+    with results_folder(out, FILES, scenario), Stages(out) as stages:
         entries = _entries(chosen, laws, entry or [])
         result = work(chosen, entries, plan, out=out, resume=resume, threads=threads, watcher=stages)
         drawn = result.figures(out / "figures") if out else []
