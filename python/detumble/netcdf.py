@@ -9,6 +9,7 @@ import stat
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+import h5py  # type: ignore[import-untyped]
 import numpy as np
 import xarray as xr
 
@@ -122,33 +123,28 @@ def read(path: str | os.PathLike[str]) -> Flight:
     Raises:
         RequestError: the file cannot be read, is no flight, or is not as it was written.
     """
-    name = named_file(path)
+    name, series = named_file(path), ("time", *(variable.name for variable in VARIABLES))
     try:
         if not stat.S_ISREG(name.stat().st_mode):
             raise RequestError(f"{name}: is no regular file; a flight is a NetCDF file")
-        with xr.open_dataset(name, engine="h5netcdf") as stored:
-            data = stored.load()
+        with h5py.File(name, "r") as file:
+            recipe = {key: file.attrs[key] for key in (*RECIPE, DIGEST) if key in file.attrs}
+            history = {each: np.asarray(file[each]) for each in series if each in file}
     except OSError as error:
         raise RequestError(f"{name}: cannot be read as NetCDF: {reason(error)}") from None
-    except (
-        ValueError,
-        KeyError,
-        TypeError,
-        RuntimeError,
-        AttributeError,
-    ) as error:  # what h5py and xarray make of damage
+    except (ValueError, KeyError, TypeError, RuntimeError, AttributeError) as error:  # what h5py makes of damage
         raise RequestError(f"{name}: cannot be read as NetCDF: {' '.join(str(error).split())}") from None
-    missing = [variable.name for variable in VARIABLES if variable.name not in data]
-    missing += [attribute for attribute in (*RECIPE, DIGEST) if attribute not in data.attrs]
+    missing = [each for each in (*series, *RECIPE, DIGEST) if each not in history and each not in recipe]
     if missing:
         raise RequestError(f"{name}: holds no detumble flight (no {', '.join(missing[:3])})")
-    history = {series: data[series].to_numpy() for series in ("time", *(variable.name for variable in VARIABLES))}
     try:
-        if digest(history, data.attrs) != data.attrs[DIGEST]:
+        if digest(history, recipe) != recipe[DIGEST]:
             raise RequestError(f"{name}: damaged, or changed after it was written")
-        return _flight(data.attrs, history, os.fspath(name))
+        return _flight(recipe, history, os.fspath(name))
     except ScenarioError:
         raise
+    except RequestError as error:
+        raise RequestError(f"{name}: {str(error).removeprefix(f'{name}: ')}") from None
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         raise RequestError(f"{name}: holds no detumble flight that this version ({__version__}) can read") from None
 
