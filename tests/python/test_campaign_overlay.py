@@ -77,7 +77,9 @@ def with_own_powers(scenario: Scenario) -> Scenario:
     gains = scenario.laws.prrl
     assert gains is not None
     assert gains.stack is not None
-    for number, channel in enumerate((gains.translation, gains.rotation, gains.stack.translation, gains.stack.rotation)):
+    for number, channel in enumerate(
+        (gains.translation, gains.rotation, gains.stack.translation, gains.stack.rotation)
+    ):
         assert channel is not None
         channel.alpha = 0.6 + 0.05 * number
     return scenario

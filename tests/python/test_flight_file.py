@@ -42,7 +42,12 @@ def refused(path: Path) -> str:
 def test_a_flight_comes_back_to_the_bit(flight: detumble.Flight, path: Path) -> None:
     again = detumble.read_netcdf(path)
     assert again.scenario == flight.scenario
-    assert (again.law, again.seed, again.index, again.backend) == (flight.law, flight.seed, flight.index, flight.backend)
+    assert (again.law, again.seed, again.index, again.backend) == (
+        flight.law,
+        flight.seed,
+        flight.index,
+        flight.backend,
+    )
     assert again.metrics == flight.metrics
     assert again.events == flight.events
     for name in ("time", *(variable.name for variable in VARIABLES)):
