@@ -85,6 +85,7 @@ class Quantity:
         shape: what the file may hold.
         kilo: a value a thousand times too small was probably meant in the unit's thousands; say so.
         rigid: an inertia that a real body must be able to have (triangle inequality).
+        words: texts that may stand instead of a number.
         bounds: as in Range.
     """
 
@@ -96,6 +97,7 @@ class Quantity:
         shape: Shape = "number",
         kilo: bool = False,
         rigid: bool = True,
+        words: tuple[str, ...] = (),
         above: float | None = None,
         least: float | None = None,
         below: float | None = None,
@@ -107,6 +109,7 @@ class Quantity:
         self.shape: Shape = shape
         self.kilo = kilo
         self.rigid = rigid
+        self.words = words
         self.range = Range(above=above, least=least, below=below, most=most, infinite=infinite)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
@@ -129,11 +132,13 @@ class Quantity:
             value: what was met.
 
         Returns:
-            A float, an int, or a tuple of floats (of tuples for a full inertia).
+            A float, an int, one of the words, or a tuple of floats (of tuples for a full inertia).
 
         Raises:
             Refusal: with the reason in words.
         """
+        if isinstance(value, str) and value in self.words:
+            return value
         if hasattr(value, "tolist"):
             value = value.tolist()
         single = isinstance(value, str) or not isinstance(value, Iterable)
@@ -156,7 +161,8 @@ class Quantity:
 
     def _wanted(self) -> str:
         what = _SHAPES.get(self.shape, "a plain number")
-        return f"{what} in {self.unit}" if self.unit else what
+        words = "".join(f' or "{word}"' for word in self.words)
+        return (f"{what} in {self.unit}" if self.unit else what) + words
 
     def _number(self, value: Any) -> float:
         if isinstance(value, str):
@@ -223,4 +229,5 @@ class Quantity:
             "quaternion": {"type": "array", "items": number, "minItems": 4, "maxItems": 4},
             "inertia": {"oneOf": [row, {"type": "array", "items": row, "minItems": 3, "maxItems": 3}]},
         }
-        return {**shapes[self.shape], "description": self.meaning, "unit": self.unit or "1"}
+        shape = {"oneOf": [shapes[self.shape], {"enum": list(self.words)}]} if self.words else shapes[self.shape]
+        return {**shape, "description": self.meaning, "unit": self.unit or "1"}
