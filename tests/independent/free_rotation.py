@@ -84,3 +84,9 @@ def about(axis: ArrayLike, angle: float) -> Array:
     x, y, z = np.array(axis, float) / (np.linalg.norm(axis) or 1.0)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     return np.asarray(np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross)
+
+
+def matrix(quaternion: ArrayLike) -> Array:
+    """Give the rotation matrix of a unit quaternion, scalar first (4,)."""
+    scalar, *vector = np.array(quaternion, float)
+    return about(vector, 2.0 * np.arctan2(np.linalg.norm(vector), scalar))

@@ -64,8 +64,8 @@ def draw(scenario: Scenario, seed: int, first: int, count: int) -> dict[str, NDA
 def drawn_scenario(scenario: Scenario, seed: int, index: int) -> Scenario:
     """Give one run of a campaign as a scenario without dispersions.
 
-    The integration step is written as the number that the campaign flies. What the laws believe stays the nominal design: beliefs that the file leaves to default are written out where the bodies
-    behind them are dispersed.
+    The integration step is written as the number that the campaign flies. What the laws believe stays the nominal design:
+    beliefs that the file leaves to default are written out where the bodies behind them are dispersed.
 
     Args:
         scenario: the nominal case with its dispersions.

@@ -10,7 +10,9 @@ rate, t the time, and κ = (I_max - I_min) / I_mid its asymmetry, from 0 of a sp
 - κ⁵ ω t ω h: RK4 loses momentum, in a step a share (κ ω h)⁶/144 of its part across the axis of a top. So the precession slows
   down, and the attitude errs with the square of time; the worst is a thin rod, with max(sin θ cos⁶ θ)/288 = 1/1210.
 
-It holds up to ω h = 0.3 and until the error is a few tenths of a radian, rounding aside, which adds about 1e-13 ω t.
+It holds up to ω h = 0.3 and until the error is a few tenths of a radian, rounding aside: that adds about 1e-13 ω t, and up
+to 1e-16 (ω t)² I_max/I_min to a rod in flat spin. In open loop a torque held in H adds ω t (ω h)⁴/1920, as the quaternion then
+goes through RK4.
 docs/explanation.md has measured errors, `scripts/rotation_accuracy.py` measures them again.
 """
 
@@ -21,7 +23,7 @@ from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from detumble.scenario.wording import number
+from detumble.scenario.wording import shown
 
 MOST_TURN = 0.1
 """Largest turn of a body in one integration step, rad, that a flight makes without a warning."""
@@ -119,5 +121,5 @@ def coarse_step(inertia: Sequence[Any], rate: float, step: float, time: float) -
     return (
         f"a body turns at up to {rate:.3g} rad/s, {rate * step:.2g} rad in an integration step of {step:.4g} s: after "
         f"{time:.4g} s its attitude may be off by {off}; with a step of {math.floor(enough / digit) * digit:.2g} s it is "
-        f'off by less than {MOST_ERROR:g} rad, and integration_step = "auto" aims at {number(AUTOMATIC_ERROR)} rad'
+        f'off by less than {MOST_ERROR:g} rad, and integration_step = "auto" aims at {shown(AUTOMATIC_ERROR)} rad'
     )

@@ -17,7 +17,7 @@ from detumble.scenario.dispersions import AnyDispersion, Correlation
 from detumble.scenario.laws import Laws, Segment
 from detumble.scenario.quantity import Axes, Inertia, Quantity, Quaternion, Vector
 from detumble.scenario.section import Relation, Section
-from detumble.scenario.wording import number
+from detumble.scenario.wording import shown
 
 MOST_PERIODS = 2_000_000
 """Keeps the history of one flight within a laptop's memory."""
@@ -50,7 +50,7 @@ class Time(Section):
         Quantity(
             "s",
             "longest step; a period is cut into the fewest equal steps; "
-            f"auto: the longest for which attitudes are estimated to err by at most {number(AUTOMATIC_ERROR)} rad",
+            f"auto: the longest for which attitudes are estimated to err by at most {shown(AUTOMATIC_ERROR)} rad",
             words=("auto",),
             above=0.0,
             most=1e4,

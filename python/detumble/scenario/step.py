@@ -48,9 +48,7 @@ def steps_per_period(scenario: Scenario) -> int:
     inertia, rate = worst_body(scenario)
     return steps(
         time.control_period,
-        lambda step: (
-            rate * step <= MOST_TURN and attitude_error(inertia, rate, step, time.duration) <= AUTOMATIC_ERROR
-        ),
+        lambda step: rate * step <= MOST_TURN and attitude_error(inertia, rate, step, time.duration) <= AUTOMATIC_ERROR,
     )
 
 
