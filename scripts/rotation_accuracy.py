@@ -23,7 +23,7 @@ from detumble.scenario import with_settings
 from detumble.scenario.accuracy import attitude_error
 
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
-from independent.free_rotation import matrix, rotation  # noqa: E402
+from independent.free_rotation import matrix, rotation
 
 BODIES = {
     "nearly a sphere": (1.0, 1.02, 1.05),

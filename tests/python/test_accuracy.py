@@ -163,7 +163,9 @@ def test_one_step_serves_every_draw(rate: str) -> None:
     inertia, largest = worst_body(scenario)
     drawn = draw(scenario, 3, 0, 2000)
     rates = np.concatenate([np.linalg.norm(drawn[path], axis=1) for path in drawn if path.endswith("rate")])
-    kappas = [asymmetry([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) for xx, yy, zz, xy, xz, yz in drawn["debris.inertia"]]
+    kappas = [
+        asymmetry([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) for xx, yy, zz, xy, xz, yz in drawn["debris.inertia"]
+    ]
     assert rates.max() <= largest < 10.0 * rates.max()
     assert max(kappas) <= asymmetry(inertia) <= 1.0
     for index in range(5):
