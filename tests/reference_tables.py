@@ -87,6 +87,8 @@ def _shape(field: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     """Say what shape a field has, and give the schema of one of its numbers."""
     if "oneOf" in field:
         single, several = field["oneOf"]
+        if "enum" in several:
+            return "number or " + _kind(several), single
         numbers = single.get("items", single)
         return ("3 numbers or 3×3" if several["items"].get("type") == "array" else "1 number or 3"), numbers
     if field["type"] == "array":

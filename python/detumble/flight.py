@@ -12,9 +12,11 @@ from detumble.checking import MOST_SEED, whole
 from detumble.compiled import checked_backend, core
 from detumble.errors import ScenarioError
 from detumble.metrics import Metrics
+from detumble.scenario.accuracy import coarse_step, most_asymmetric
 from detumble.scenario.core import case
 from detumble.scenario.files import given
 from detumble.scenario.model import Scenario
+from detumble.scenario.step import integration_step
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -22,9 +24,6 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
-
-MOST_TURN = 0.1
-"""Largest turn of a body in one integration step, rad, up to which its rotation is accurate."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +74,11 @@ class Flight:
         from detumble.netcdf import dataset
 
         return dataset(self)
+
+    @property
+    def integration_step(self) -> float:
+        """The integration step that was flown, s."""
+        return integration_step(self.scenario)
 
     @property
     def diverged(self) -> bool:
@@ -169,7 +173,7 @@ def flown(
         history=record["history"],
         metrics=metrics,
         events=events,
-        warnings=_warnings(metrics, events, scenario, law, _fast_turn(record["history"], numbers["plan"])),
+        warnings=_warnings(metrics, events, scenario, law, _fast_turn(record, numbers)),
     )
 
 
@@ -220,21 +224,16 @@ def _listed(value: Any) -> Any:
     return [_listed(element) for element in value] if isinstance(value, list | tuple) else value
 
 
-def _fast_turn(history: Mapping[str, NDArray[np.float64]], plan: Mapping[str, Any]) -> str:
-    """Say that a body turns too far in an integration step, and which step would do; empty where none does."""
+def _fast_turn(record: Mapping[str, Any], numbers: Mapping[str, Any]) -> str:
+    """Say that a body turns too fast for the integration step; empty where none does."""
     import numpy as np
 
+    history, plan, merge = record["history"], numbers["plan"], record["merge"]
     step = plan["control_period"] / plan["steps_per_period"]
     squares = (np.einsum("ij,ij->i", history[name], history[name]) for name in ("chaser_rate", "debris_rate"))
     fastest = math.sqrt(max(float(square.max(initial=0.0)) for square in squares))
-    if fastest * step <= MOST_TURN:
-        return ""
-    enough = MOST_TURN / fastest
-    digit = 10.0 ** (math.floor(math.log10(enough)) - 1)
-    return (
-        f"a body turns up to {fastest * step:.2g} rad in an integration step of {step:.4g} s: rotation is then no longer "
-        f"accurate; a step of {math.floor(enough / digit) * digit:.2g} s brings it below {MOST_TURN:g} rad"
-    )
+    bodies = (numbers["chaser"]["inertia"], numbers["debris"]["inertia"], *([merge["stack_inertia"]] if merge else ()))
+    return coarse_step(most_asymmetric(*bodies), fastest, step, plan["control_period"] * plan["periods"])
 
 
 def _warnings(

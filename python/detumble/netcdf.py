@@ -60,6 +60,7 @@ def _attributes(flight: Flight) -> dict[str, Any]:
         "seed": str(flight.seed),
         "index": str(flight.index),
         "backend": flight.backend,
+        "integration_step_s": flight.integration_step,
         "detumble_version": __version__,
         "scenario": flight.scenario.to_toml(),
         "metrics": json.dumps(flight.metrics.to_json()),

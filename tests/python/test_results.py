@@ -7,9 +7,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from commands import call
 
 import detumble
+from commands import call
 from detumble.analysis.comparing.plan import Plan
 from detumble.errors import RequestError
 from detumble.results import LEDGER, results_folder

@@ -180,6 +180,7 @@ def _timed(scenario: Scenario, control_period: float | None) -> Scenario:
     raw = scenario.to_dict()
     time = raw["time"]
     time["duration"] = ticks(time["duration"], control_period) * control_period
-    time["integration_step"] = min(time["integration_step"], control_period)
+    if time["integration_step"] != "auto":
+        time["integration_step"] = min(time["integration_step"], control_period)
     time["control_period"] = control_period
     return validated(raw, f"{scenario.title}, control period {control_period:g} s")

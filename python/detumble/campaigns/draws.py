@@ -11,6 +11,7 @@ from detumble.compiled import core
 from detumble.scenario.core import BELIEFS, design
 from detumble.scenario.dispersions.fitting import members, resolved
 from detumble.scenario.faults import validated
+from detumble.scenario.step import integration_step
 
 if TYPE_CHECKING:
     from detumble.scenario.model import Scenario
@@ -63,8 +64,8 @@ def draw(scenario: Scenario, seed: int, first: int, count: int) -> dict[str, NDA
 def drawn_scenario(scenario: Scenario, seed: int, index: int) -> Scenario:
     """Give one run of a campaign as a scenario without dispersions.
 
-    What the laws believe stays the nominal design: beliefs that the file leaves to default are written out where the bodies
-    behind them are dispersed.
+    The integration step is written as the number that the campaign flies. What the laws believe stays the nominal design:
+    beliefs that the file leaves to default are written out where the bodies behind them are dispersed.
 
     Args:
         scenario: the nominal case with its dispersions.
@@ -77,6 +78,8 @@ def drawn_scenario(scenario: Scenario, seed: int, index: int) -> Scenario:
     drawn = draw(scenario, seed, index, 1)
     raw = scenario.to_dict()
     del raw["dispersions"], raw["correlations"]
+    if scenario.time.integration_step == "auto":
+        raw["time"]["integration_step"] = integration_step(scenario)
     for name in BELIEFS:
         bodies, what = ("chaser",) if name.startswith("chaser") else ("chaser", "debris"), name.rpartition("_")[2]
         told = name.startswith("stack") and scenario.belief.stack == "true"

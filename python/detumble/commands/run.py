@@ -91,6 +91,7 @@ def _json(flight: Flight, files: list[Path]) -> dict[str, object]:
         "seed": flight.seed,
         "index": flight.index,
         "backend": flight.backend,
+        "integration_step_s": flight.integration_step,
         **flight.metrics.to_json(),
         "events": [{"name": event.name, "time_s": event.time} for event in flight.events],
         "warnings": list(flight.warnings),

@@ -9,6 +9,7 @@ from detumble.checking import choice
 from detumble.errors import Fault, ScenarioError
 from detumble.scenario.laws import LAWS, Prrl, TsmcExponents
 from detumble.scenario.physics import tensor, unit
+from detumble.scenario.step import steps_per_period
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -175,7 +176,7 @@ def _plan(scenario: Scenario, law: str, until_the_end: bool) -> Tree:
     time, capture, laws = scenario.time, scenario.capture, scenario.laws
     return {
         "control_period": time.control_period,
-        "steps_per_period": max(1, ticks(time.control_period, time.integration_step)),
+        "steps_per_period": steps_per_period(scenario),
         "periods": round(time.duration / time.control_period),
         "dwell_ticks": ticks(capture.dwell, time.control_period),
         "grasp": scenario.has_grasp_points,

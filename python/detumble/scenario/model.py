@@ -12,10 +12,12 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, StrictBool
 
 from detumble.errors import Fault
+from detumble.scenario.accuracy import AUTOMATIC_ERROR, MOST_STEPS
 from detumble.scenario.dispersions import AnyDispersion, Correlation
 from detumble.scenario.laws import Laws, Segment
 from detumble.scenario.quantity import Axes, Inertia, Quantity, Quaternion, Vector
 from detumble.scenario.section import Relation, Section, lines, one_line
+from detumble.scenario.wording import shown
 
 MOST_PERIODS = 2_000_000
 """Keeps the history of one flight within a laptop's memory."""
@@ -44,8 +46,16 @@ class Time(Section):
     duration: Annotated[float, Quantity("s", "length of the flight, whole control periods", above=0.0, most=1e8)]
     control_period: Annotated[float, Quantity("s", "time between commands", above=0.0, most=1e4)]
     integration_step: Annotated[
-        float, Quantity("s", "longest step; a period is cut into the fewest equal steps", above=0.0, most=1e4)
-    ]
+        float | Literal["auto"],
+        Quantity(
+            "s",
+            "longest step; a period is cut into the fewest equal steps; "
+            f"auto: the longest for which attitudes are estimated to err by at most {shown(AUTOMATIC_ERROR)} rad",
+            words=("auto",),
+            above=0.0,
+            most=1e4,
+        ),
+    ] = "auto"
 
     relations: ClassVar[tuple[Relation, ...]] = (
         Relation("duration", ("duration", "control_period"), _duration_fault),
@@ -53,7 +63,9 @@ class Time(Section):
             "integration_step",
             ("integration_step", "control_period"),
             lambda step, period: (
-                None if step <= period else f"{step:.10g} s: must not be longer than control_period ({period:.10g} s)"
+                None
+                if step == "auto" or step <= period
+                else f"{step:.10g} s: must not be longer than control_period ({period:.10g} s)"
             ),
         ),
         Relation(
@@ -61,7 +73,7 @@ class Time(Section):
             ("integration_step", "control_period"),
             lambda step, period: (
                 None
-                if period <= 1e5 * step
+                if step == "auto" or period <= MOST_STEPS * (1.0 + 1e-9) * step
                 else f"{step:.10g} s: must be at least a 100000th of control_period ({period:.10g} s)"
             ),
         ),

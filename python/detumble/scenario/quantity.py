@@ -87,6 +87,7 @@ class Quantity:
         kilo: a value a thousand times too small was probably meant in the unit's thousands; say so. A number stands for another
             factor: 1e9 where km³/s² may have been meant.
         rigid: an inertia that a real body must be able to have (triangle inequality).
+        words: texts that may stand instead of a number.
         bounds: as in Range.
     """
 
@@ -98,6 +99,7 @@ class Quantity:
         shape: Shape = "number",
         kilo: bool | float = False,
         rigid: bool = True,
+        words: tuple[str, ...] = (),
         above: float | None = None,
         least: float | None = None,
         below: float | None = None,
@@ -109,6 +111,7 @@ class Quantity:
         self.shape: Shape = shape
         self.kilo = kilo
         self.rigid = rigid
+        self.words = words
         self.range = Range(above=above, least=least, below=below, most=most, infinite=infinite)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
@@ -131,11 +134,13 @@ class Quantity:
             value: what was met.
 
         Returns:
-            A float, an int, or a tuple of floats (of tuples for a full inertia).
+            A float, an int, one of the words, or a tuple of floats (of tuples for a full inertia).
 
         Raises:
             Refusal: with the reason in words.
         """
+        if isinstance(value, str) and value in self.words:
+            return value
         carried, value = unit_of(value), plain(value)
         if carried not in ("", self.unit):
             raise Refusal(f"is in {carried}; must be {self._wanted()}")
@@ -158,7 +163,8 @@ class Quantity:
 
     def _wanted(self) -> str:
         what = _SHAPES.get(self.shape, "a plain number")
-        return f"{what} in {self.unit}" if self.unit else what
+        words = "".join(f' or "{word}"' for word in self.words)
+        return (f"{what} in {self.unit}" if self.unit else what) + words
 
     def _number(self, value: Any) -> float:
         if isinstance(value, str):
@@ -225,4 +231,5 @@ class Quantity:
             "quaternion": {"type": "array", "items": number, "minItems": 4, "maxItems": 4},
             "inertia": {"oneOf": [row, {"type": "array", "items": row, "minItems": 3, "maxItems": 3}]},
         }
-        return {**shapes[self.shape], "description": self.meaning, "unit": self.unit or "1"}
+        shape = {"oneOf": [shapes[self.shape], {"enum": list(self.words)}]} if self.words else shapes[self.shape]
+        return {**shape, "description": self.meaning, "unit": self.unit or "1"}
