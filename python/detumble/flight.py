@@ -15,11 +15,12 @@ from detumble.metrics import Metrics
 from detumble.scenario.accuracy import coarse_step, most_asymmetric
 from detumble.scenario.core import case
 from detumble.scenario.files import given
+from detumble.scenario.hints import far_away, warnings
 from detumble.scenario.model import Scenario
 from detumble.scenario.step import integration_step
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     import numpy as np
     import xarray as xr
@@ -164,6 +165,7 @@ def flown(
         raise ScenarioError(scenario.title, problem=str(error)) from None
     metrics = Metrics.from_summary(record["summary"])
     events = _events(metrics, record)
+    remarks = (*_warnings(metrics, events, scenario, law, _fast_turn(record, numbers)), *_far(record, scenario))
     return Flight(
         scenario=scenario,
         law=law,
@@ -173,7 +175,7 @@ def flown(
         history=record["history"],
         metrics=metrics,
         events=events,
-        warnings=_warnings(metrics, events, scenario, law, _fast_turn(record, numbers)),
+        warnings=(*remarks, *warnings(scenario, law)),
     )
 
 
@@ -222,6 +224,15 @@ def _listed(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _listed(element) for key, element in value.items()}
     return [_listed(element) for element in value] if isinstance(value, list | tuple) else value
+
+
+def _far(record: Mapping[str, Any], scenario: Scenario) -> Iterator[str]:
+    """Say that the flight left the neighbourhood in which its equations hold, unless it began outside."""
+    positions = record["history"]["position"]
+    if len(positions):
+        reached = math.sqrt(float((positions * positions).sum(axis=1).max()))
+        if not far_away(math.hypot(*scenario.chaser.position), scenario) and (text := far_away(reached, scenario)):
+            yield f"reached a distance of {text}"
 
 
 def _fast_turn(record: Mapping[str, Any], numbers: Mapping[str, Any]) -> str:
