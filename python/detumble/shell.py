@@ -12,6 +12,7 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
 from detumble.errors import RequestError
+from detumble.show import drawing
 from detumble.writing import reason
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ def run() -> None:
     Raises:
         SystemExit: always, with the exit code.
     """
+    drawing.alone = True
     _keep_readable()
     try:
         with _interruptible():

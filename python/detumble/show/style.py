@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from detumble.scenario.laws import TITLES
+from detumble.show.drawing import load_matplotlib
 from detumble.writing import whole_file
 
 if TYPE_CHECKING:
@@ -96,6 +97,7 @@ def look(law: str) -> Look:
 @contextmanager
 def styled() -> Iterator[None]:
     """Draw with detumble's settings, whatever the user's own are; they are back afterwards."""
+    load_matplotlib()
     import matplotlib.style
 
     with matplotlib.style.context(["default", _SETTINGS]):

@@ -18,6 +18,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from detumble.show.drawing import load_matplotlib
+
 Array = NDArray[np.float64]
 Evaluate = Callable[[Array], Array]
 """Gives the costs (k,) of candidates (k, n): finite, the less the better."""
@@ -99,6 +101,7 @@ def _stagnant(least: list[float]) -> bool:
 
 def _strategy(origin: Array, step: float, population: int, generator: np.random.Generator) -> Any:
     """Begin a descent."""
+    load_matplotlib()  # which cma imports
     import cma  # type: ignore[import-untyped]  # it tells no types
 
     options = {
