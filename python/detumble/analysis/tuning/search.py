@@ -11,6 +11,7 @@ All randomness comes from a generator of its own: nothing depends on, or touches
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -116,6 +117,7 @@ def _strategy(origin: Array, step: float, population: int, generator: np.random.
         "maxiter": math.inf,
         "verbose": -10,
         "verb_log": 0,
+        "verb_filenameprefix": os.devnull,  # of the files that are not written; by default in the current folder, if any
         "verb_disp": 0,
         "signals_filename": "",  # no file steers the search
     }
