@@ -24,9 +24,11 @@ from detumble.campaigns.store import Store
 from detumble.compiled import checked_backend
 from detumble.errors import RequestError
 from detumble.flight import MOST_SEED
+from detumble.pool import check_pool
 from detumble.scenario.core import case
 from detumble.scenario.files import load
 from detumble.scenario.model import Scenario
+from detumble.writing import reason
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -105,9 +107,11 @@ def campaign(
 
     Raises:
         ScenarioError: the scenario cannot be flown.
-        RequestError: an argument cannot be used, the folder does not take the runs, or holds another campaign.
+        RequestError: an argument cannot be used, the folder does not take the runs, or holds another campaign; polars
+            cannot work in this process (`pool`).
     """
     scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
+    check_pool()
     _check(runs, seed, shard, until_ci, threads, local_cluster, scheduler)
     case(scenario, law)
     recipe = Recipe(scenario.to_toml(), law, seed, shard=shard, arithmetic=arithmetic(checked_backend(backend)))
@@ -157,7 +161,10 @@ def _folder(out: str | os.PathLike[str] | None) -> Iterator[Path]:
     if out is not None:
         yield Path(out)
         return
-    temporary = Path(mkdtemp(prefix="detumble-"))
+    try:
+        temporary = Path(mkdtemp(prefix="detumble-"))
+    except OSError as error:
+        raise RequestError(f"the runs need a folder: no temporary one can be made ({reason(error)}); give `out`") from None
     try:
         yield temporary
     except BaseException:
