@@ -122,6 +122,11 @@ def heading(text: str, width: int = 100) -> str:
     return line if len(line) <= width else line[: width - 1].rstrip() + "…"
 
 
+def shortened(name: str, width: int) -> str:
+    """Leave out the middle of a long name: the end often says how it differs from others."""
+    return name if len(name) <= width else f"{name[: width // 3]}…{name[-(width - width // 3 - 1) :]}"
+
+
 def save(figure: Figure, paths: Sequence[Path]) -> list[Path]:
     """Write a figure to each path, each file whole or not at all; call it within `styled()`.
 

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from detumble.scenario.model import Scenario
 
 FORMS: tuple[Form, ...] = ("printed", "corrected")
+MOST_CHARACTERS = 60
+"""Of a name: tables and figures have no room for more."""
 
 
 @dataclass(frozen=True)
@@ -91,8 +93,8 @@ def check_entries(entries: Sequence[Entry], scenario: Scenario, *, as_given: boo
         as_given: with the gains that the scenario has.
 
     Raises:
-        RequestError: there are fewer than two, two have one name, a name cannot be a file's, or a law has no gains that could be
-            flown as given.
+        RequestError: there are fewer than two, two have one name, a name is too long or cannot be printed or a file's, or a law
+            has no gains that could be flown as given.
     """
     if len(entries) < 2:
         raise RequestError(f"entries: {len(entries)} given; a comparison needs at least two")
@@ -104,6 +106,11 @@ def check_entries(entries: Sequence[Entry], scenario: Scenario, *, as_given: boo
             raise RequestError(
                 f"entry {entry.name!r}: {scenario.title} has no gains for {entry.law}; it has them for "
                 f"{', '.join(known) or 'none'}"
+            )
+        if not entry.name.isprintable() or len(entry.name) > MOST_CHARACTERS:
+            raise RequestError(
+                f"entry {entry.name[:MOST_CHARACTERS]!r}: its name has {len(entry.name)} characters; it must be a line of at "
+                f"most {MOST_CHARACTERS} that can be printed"
             )
         if not entry.file:
             raise RequestError(f"entry {entry.name!r}: its name must have a letter from a to z or a digit")
