@@ -15,6 +15,7 @@ from detumble import __version__
 from detumble.errors import RequestError
 from detumble.metrics import METRICS, Metrics
 from detumble.scenario.files import from_toml
+from detumble.surroundings import check_dask
 from detumble.variables import AXES, COMPONENTS, VARIABLES
 from detumble.writing import write_bytes
 
@@ -31,6 +32,7 @@ def dataset(flight: Flight) -> xr.Dataset:
     Returns:
         Variables over `time`, vectors also over `axis` (x, y, z), attitudes over `quaternion` (q0, scalar, to q3).
     """
+    check_dask()
     coordinates = {
         "time": ("time", flight.history["time"], {"units": "s", "long_name": "time"}),
         "axis": ("axis", np.array(AXES, dtype=object), {"long_name": "axis of the vector's frame"}),

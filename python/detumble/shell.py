@@ -79,8 +79,10 @@ def _open_closed_streams() -> None:
 
 
 def _keep_readable() -> None:
-    """Let no character stop the output: what a stream's encoding lacks is written plainly."""
+    """Let no character and no width stop the output: what a stream's encoding lacks is written plainly."""
     codecs.register_error("plain", _plainly)
+    if not os.environ.get("TERMINAL_WIDTH", "80").isdecimal():
+        del os.environ["TERMINAL_WIDTH"]  # which the help would stumble over
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="plain")

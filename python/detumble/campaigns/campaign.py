@@ -24,10 +24,10 @@ from detumble.campaigns.store import Store
 from detumble.compiled import checked_backend
 from detumble.errors import RequestError
 from detumble.flight import MOST_SEED
-from detumble.pool import check_pool
 from detumble.scenario.core import case
 from detumble.scenario.files import load
 from detumble.scenario.model import Scenario
+from detumble.surroundings import check_polars
 from detumble.writing import reason
 
 if TYPE_CHECKING:
@@ -108,10 +108,10 @@ def campaign(
     Raises:
         ScenarioError: the scenario cannot be flown.
         RequestError: an argument cannot be used, the folder does not take the runs, or holds another campaign; polars
-            cannot work in this process (`pool`).
+            cannot work in this process (`surroundings`).
     """
     scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
-    check_pool()
+    check_polars()
     _check(runs, seed, shard, until_ci, threads, local_cluster, scheduler)
     case(scenario, law)
     recipe = Recipe(scenario.to_toml(), law, seed, shard=shard, arithmetic=arithmetic(checked_backend(backend)))
@@ -164,7 +164,9 @@ def _folder(out: str | os.PathLike[str] | None) -> Iterator[Path]:
     try:
         temporary = Path(mkdtemp(prefix="detumble-"))
     except OSError as error:
-        raise RequestError(f"the runs need a folder: no temporary one can be made ({reason(error)}); give `out`") from None
+        raise RequestError(
+            f"the runs need a folder: no temporary one can be made ({reason(error)}); give `out`"
+        ) from None
     try:
         yield temporary
     except BaseException:

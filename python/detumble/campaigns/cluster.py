@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from detumble.campaigns.flying import Flown, fly_runs
 from detumble.campaigns.recipe import Recipe
 from detumble.errors import RequestError
+from detumble.surroundings import check_dask
 from detumble.writing import reason
 
 if TYPE_CHECKING:
@@ -56,6 +57,7 @@ class Cluster:
     """
 
     def __init__(self, scheduler: str | None, workers: int | None, backend: str | None) -> None:
+        check_dask()
         try:
             import dask
             import distributed

@@ -39,12 +39,12 @@ def bound(
 ) -> None:
     """Bound what any controller could do: the fastest capture, the least Δv, the least time to detumble."""
     from detumble.analysis.bounds.bound import bound as bounds_of
-    from detumble.pool import check_pool
     from detumble.scenario.files import load, with_settings
+    from detumble.surroundings import check_polars
     from detumble.writing import output_folder
 
     if out:
-        check_pool()  # which writes the tables
+        check_polars()  # which writes the tables
     chosen = load(scenario)
     if settings or more:
         chosen = with_settings(chosen, [*(settings or ()), *(more or ())], scenario)

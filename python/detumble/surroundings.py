@@ -1,7 +1,7 @@
-"""The threads with which polars works: whether this process has them, and may have them.
+"""What libraries need of the process and of its environment, and answer badly where it is not so.
 
-A process that is forked from one in which they run has none, and would wait for them for ever. `import detumble` begins to
-watch, so that a child knows of it whoever forks it, and whatever polars was used for.
+Polars works with threads. A process that is forked from one in which they run has none, and would wait for them for ever.
+`import detumble` begins to watch, so that a child knows of it whoever forks it, and whatever polars was used for.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ lost = False
 _running = False
 
 
-def check_pool() -> None:
+def check_polars() -> None:
     """Make sure, before polars has anything to do for its threads, that it can.
 
     Raises:
@@ -32,26 +32,44 @@ def check_pool() -> None:
         raise RequestError(f"POLARS_MAX_THREADS {number!r}: must be a whole number of at least 1, or not set at all")
 
 
+def check_dask() -> None:
+    """Make sure, before xarray looks for Dask, that it can be imported if it is there.
+
+    Raises:
+        RequestError: its configuration cannot be read.
+    """
+    from detumble.errors import RequestError
+
+    try:
+        import dask  # noqa: F401
+    except ImportError:
+        pass
+    except Exception as error:  # of any kind: it lets through what its reader of YAML raises
+        why = str(error).partition("\n")[0].rstrip(":")
+        raise RequestError(f"Dask cannot read its configuration (DASK_CONFIG, ~/.config/dask): {why}") from None
+
+
 def _runs_in(process: int | str) -> bool:
     """Look for the threads of polars, as far as the system tells the names of threads."""
     if "polars" not in sys.modules:
         return False
-    folder, names = f"/proc/{process}/task", []
-    try:
-        for thread in os.listdir(folder):
-            with open(f"{folder}/{thread}/comm") as file:
-                names.append(file.read().strip())
-    except OSError:  # no such system, or a thread that has just ended
-        pass
+    from contextlib import suppress
+    from pathlib import Path
+
+    names = []
+    for name in Path(f"/proc/{process}/task").glob("*/comm"):
+        with suppress(OSError):  # a thread that has just ended
+            names.append(name.read_text(errors="replace"))
     workers = ("tokio-rt-worker", *(f"polars-{digit}" for digit in range(10)))
     return any(name.startswith(workers) for name in names)
 
 
 def _is_fork() -> bool:
     """Tell whether this process runs the program that its parent began: then the system's start values are the same."""
+    from pathlib import Path
+
     try:
-        with open("/proc/self/auxv", "rb") as own, open(f"/proc/{os.getppid()}/auxv", "rb") as other:
-            return own.read() == other.read()
+        return Path("/proc/self/auxv").read_bytes() == Path(f"/proc/{os.getppid()}/auxv").read_bytes()
     except OSError:
         return False
 
