@@ -10,6 +10,8 @@ Everything is loaded when it is first used: `import detumble` costs next to noth
 
 from __future__ import annotations
 
+from detumble import surroundings as _surroundings  # noqa: F401  # watches for forks from now on
+
 TYPE_CHECKING = False  # as type checkers know it; importing it from typing would cost more than all the rest
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import sys
 
 
 def main() -> None:
-    """Run the command line. Exit codes: 0 done, 1 the run failed, 2 the request is wrong, 130 stopped by Ctrl-C."""
+    """Run the command line. Exit codes: 0 done, 1 the run failed, 2 the request is wrong, 128 + n by signal n."""
     try:
         from detumble.shell import run
     except KeyboardInterrupt:

@@ -19,6 +19,7 @@ from detumble.errors import RequestError, ScenarioError
 from detumble.metrics import METRICS, Metrics
 from detumble.scenario.files import from_toml
 from detumble.scenario.laws import LAWS
+from detumble.surroundings import check_dask
 from detumble.variables import AXES, COMPONENTS, VARIABLES
 from detumble.writing import named_file, reason, write_bytes
 
@@ -37,6 +38,7 @@ def dataset(flight: Flight) -> xr.Dataset:
     Returns:
         Variables over `time`, vectors also over `axis` (x, y, z), attitudes over `quaternion` (q0, scalar, to q3).
     """
+    check_dask()
     coordinates = {
         "time": ("time", flight.history["time"], {"units": "s", "long_name": "time"}),
         "axis": ("axis", np.array(AXES, dtype=object), {"long_name": "axis of the vector's frame"}),

@@ -1,4 +1,4 @@
-"""Between the command line and the shell: Ctrl-C, streams that cannot take what is written, messages, exit codes."""
+"""Between the command line and the shell: Ctrl-C and its like, streams that cannot take what is written, messages, exit codes."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
 from detumble.errors import RequestError
+from detumble.show import drawing
 from detumble.writing import reason
 
 if TYPE_CHECKING:
@@ -20,6 +21,11 @@ if TYPE_CHECKING:
 PLAIN = {"Δ": "d", "–": "-", "─": "-", "…": "...", "°": "deg", "²": "2", "³": "3", "⁴": "4"}
 """What stands for a character that a stream's encoding lacks; a question mark for any other."""
 
+ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+"""Ctrl-C, the end of a job or of the machine, the end of a terminal."""
+UNTOUCHED = (signal.default_int_handler, signal.SIG_DFL)
+"""What is done on these where nobody has asked for anything else."""
+
 
 def run() -> None:
     """Run the command line and leave; a mistake of the user's, or a stream that is full, ends in one message.
@@ -27,6 +33,8 @@ def run() -> None:
     Raises:
         SystemExit: always, with the exit code.
     """
+    drawing.alone = True
+    _open_closed_streams()
     _keep_readable()
     try:
         with _interruptible():
@@ -53,9 +61,28 @@ def _leave(code: int, message: str = "") -> None:
     sys.exit(code)
 
 
+def _open_closed_streams() -> None:
+    """Put in the place of closed streams what takes their numbers: a file opened later would be written or read in theirs.
+
+    On standard output every write fails, as on the closed one; standard error takes remarks, and leaves them unsaid.
+    """
+    for number, (name, mode) in enumerate((("stdin", "r"), ("stdout", "w"), ("stderr", "w"))):
+        if getattr(sys, name) is None:
+            opened = os.open(os.devnull, os.O_WRONLY if name == "stderr" else os.O_RDONLY)
+            os.dup2(opened, number)
+            if opened != number:
+                os.close(opened)
+            os.set_inheritable(number, True)
+            stream = open(number, mode, encoding="utf-8", closefd=False)  # noqa: SIM115  # for as long as this runs
+            setattr(sys, name, stream)
+            setattr(sys, f"__{name}__", stream)
+
+
 def _keep_readable() -> None:
-    """Let no character stop the output: what a stream's encoding lacks is written plainly."""
+    """Let no character and no width stop the output: what a stream's encoding lacks is written plainly."""
     codecs.register_error("plain", _plainly)
+    if not os.environ.get("TERMINAL_WIDTH", "80").isdecimal():
+        del os.environ["TERMINAL_WIDTH"]  # which the help would stumble over
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="plain")
@@ -80,27 +107,29 @@ def _discard_unwritten() -> None:
 
 @contextmanager
 def _interruptible() -> Iterator[None]:
-    """End quietly with exit code 130 on Ctrl-C, and at once on a second one.
+    """On a signal that asks for an end, end quietly and orderly with exit code 128 + its number; on a second one at once.
 
-    That it was pressed is remembered: during an import a library may swallow the exception, or make an ImportError of it.
+    That it came is remembered: during an import a library may swallow the exception, or make an ImportError of it.
     """
-    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:  # ignored, as in the background of a script
-        yield
-        return
-    pressed = False
+    heard = 0
+    # one that is ignored stays so: under nohup, or in the background of a script
+    before = {number: found for number in ENDING if (found := signal.getsignal(number)) in UNTOUCHED}
 
-    def interrupt(*_: object) -> None:
-        nonlocal pressed
-        pressed = True
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    def end(number: int, _: object) -> None:
+        nonlocal heard
+        heard = number
+        for each in before:
+            signal.signal(each, signal.SIG_DFL)
         sys.unraisablehook = lambda _: None  # met within a callback that can raise nothing, it would be printed
-        sys.exit(130)
+        sys.exit(128 + number)
 
-    signal.signal(signal.SIGINT, interrupt)
+    for number in before:
+        signal.signal(number, end)
     try:
         yield
     finally:
-        atexit.register(signal.signal, signal.SIGINT, signal.SIG_DFL)  # nothing that is left to do can be interrupted
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-        if pressed:
-            raise SystemExit(130) from None
+        for number, found in before.items():
+            atexit.register(signal.signal, number, signal.SIG_DFL)  # nothing that is left to do can be interrupted
+            signal.signal(number, found)
+        if heard:
+            raise SystemExit(128 + heard) from None

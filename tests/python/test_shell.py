@@ -52,8 +52,8 @@ def test_a_reader_that_has_seen_enough_is_no_mistake(reader: str, unbuffered: st
     assert done.stderr == ""
 
 
-def test_closed_streams_are_no_mistake() -> None:
-    assert bash(f"{RUN} >&- 2>&-").returncode == 0
+def test_closed_streams_end_in_a_failure_without_a_traceback() -> None:
+    assert bash(f"{RUN} >&- 2>&-").returncode == 1
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1"])

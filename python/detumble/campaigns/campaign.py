@@ -26,7 +26,8 @@ from detumble.compiled import checked_backend
 from detumble.errors import RequestError
 from detumble.scenario.core import case
 from detumble.scenario.files import given
-from detumble.writing import named_folder
+from detumble.surroundings import check_polars
+from detumble.writing import named_folder, reason
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -106,9 +107,11 @@ def campaign(
 
     Raises:
         ScenarioError: the scenario cannot be flown.
-        RequestError: an argument cannot be used, the folder does not take the runs, or holds another campaign.
+        RequestError: an argument cannot be used, the folder does not take the runs, or holds another campaign; polars
+            cannot work in this process (`surroundings`).
     """
     scenario = given(scenario)
+    check_polars()
     law = scenario.laws.default if law is None else law
     runs, seed, shard = (
         whole("runs", runs, 1, 10**12),
@@ -148,7 +151,12 @@ def _folder(out: str | os.PathLike[str] | None) -> Iterator[Path]:
     if out is not None:
         yield named_folder(out, "out")
         return
-    temporary = Path(mkdtemp(prefix="detumble-"))
+    try:
+        temporary = Path(mkdtemp(prefix="detumble-"))
+    except OSError as error:
+        raise RequestError(
+            f"the runs need a folder: no temporary one can be made ({reason(error)}); give `out`"
+        ) from None
     try:
         yield temporary
     except BaseException:

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import logging
+import multiprocessing
+import signal
 import socket
 import time
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from detumble.campaigns.flying import Flown, fly_runs
 from detumble.campaigns.recipe import Recipe
 from detumble.checking import instance
 from detumble.errors import RequestError
+from detumble.surroundings import check_dask
+from detumble.writing import reason
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -27,11 +33,16 @@ _PORT = 8786
 _KEPT = "the shards that are complete are kept, and --resume continues"
 _QUIET = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}
 """No dashboard, and no complaint where another cluster has its port."""
-_SETTINGS = {
-    "distributed.scheduler.allowed-failures": WORKER_LOSSES,
-    # a terminal tells Ctrl-C to all processes; the workers end when this one closes the cluster
-    "distributed.worker.preload": ["import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)"],
-}
+_APART = """
+import os, signal
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+if hasattr(os, "setsid"):
+    if os.getsid(0) != os.getpid():  # Dask does this twice
+        os.setsid()
+    signal.pthread_sigmask(signal.SIG_SETMASK, [])
+"""
+"""A terminal or a scheduler of jobs signals all processes of a group; the workers end when this one closes the cluster."""
+_SETTINGS = {"distributed.scheduler.allowed-failures": WORKER_LOSSES, "distributed.worker.preload": [_APART]}
 
 
 class Cluster:
@@ -47,6 +58,7 @@ class Cluster:
     """
 
     def __init__(self, scheduler: str | None, workers: int | None, backend: str | None) -> None:
+        check_dask()
         try:
             import dask
             import distributed
@@ -57,15 +69,17 @@ class Cluster:
         if scheduler is not None:
             _await(instance("scheduler", scheduler, str, "an address such as tcp://host:8786"))
         else:
+            _check_children(workers)
             try:
-                with dask.config.set(_SETTINGS):
-                    self._local = distributed.LocalCluster(  # type: ignore[no-untyped-call]  # Dask has no types here
+                with dask.config.set(_SETTINGS), ThreadPoolExecutor(1, initializer=_deafen) as starter:
+                    self._local = starter.submit(
+                        distributed.LocalCluster,
                         n_workers=workers,
                         threads_per_worker=1,
                         host="127.0.0.1",
                         silence_logs=50,
                         scheduler_kwargs=_QUIET,
-                    )
+                    ).result()
             except RuntimeError as error:  # Dask's workers begin by importing the script that is being run
                 raise RequestError(
                     f"local_cluster {workers}: cannot be started: {error} In a script, fly the campaign beneath "
@@ -108,6 +122,33 @@ class Cluster:
         self._client.close()
         if self._local:
             self._local.close()
+
+
+def _check_children(workers: int | None) -> None:
+    """Make sure that this process can start workers.
+
+    Raises:
+        RequestError: it is itself a worker that may not, or its current folder, in which they would begin, is gone.
+    """
+    if multiprocessing.current_process().daemon:
+        raise RequestError(
+            f"local_cluster {workers}: a worker of multiprocessing.Pool can start no processes; fly with threads, or in a "
+            "worker of concurrent.futures.ProcessPoolExecutor"
+        )
+    try:
+        Path.cwd()
+    except OSError as error:
+        raise RequestError(f"local_cluster {workers}: the current folder cannot be used: {reason(error)}") from None
+
+
+def _deafen() -> None:
+    """Let this thread, and what it starts, be met by no signal that ends a process: workers that begin cannot answer it."""
+    if hasattr(signal, "pthread_sigmask"):
+        from multiprocessing import resource_tracker
+
+        for _ in range(2):
+            signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM, signal.SIGHUP))
+            resource_tracker.ensure_running()  # begins with these blocked, and unblocks two of them here
 
 
 def _await(scheduler: str) -> None:

@@ -46,6 +46,8 @@ REFLOWN = 200
 """Most runs of the envelope, the first of the campaign."""
 TICKS = 4_000_000
 """Most ticks kept for it in all."""
+SEEN = ("distance", "angle_error", "rate_error")
+"""Series that it shows."""
 
 
 def draw(result: CampaignResult, over: Sequence[str], target: float | None) -> list[Path]:
@@ -143,23 +145,27 @@ def _envelope(result: CampaignResult, caption: Caption, path: Path) -> Path:
     scenario = result.recipe.parsed
     ticks = round(scenario.time.duration / scenario.time.control_period) + 1
     count = min(result.statistics.runs, max(10, min(REFLOWN, TICKS // ticks)))
-    histories = [result.replay(index).history for index in range(count)]
-    time = max((history["time"] for history in histories), key=len)
-
-    def rows(name: str, factor: float = 1.0) -> Array:
-        values = np.full((count, len(time)), np.nan)
-        for row, history in zip(values, histories, strict=True):
-            row[: len(history[name])] = factor * history[name]
-        return values
-
+    time, seen = np.empty(0), np.full((len(SEEN), count, ticks), np.nan)
+    for index in range(count):
+        own, *series = _seen(result, index)
+        time = max(time, own, key=len)
+        for values, one in zip(seen, series, strict=True):
+            values[index, : len(one)] = one
+    distance, angle, rate = seen[:, :, : len(time)]
     capture, settled = scenario.capture, scenario.settled
     traces = [
-        Trace("distance to goal [m]", rows("distance"), {"capture": capture.distance}),
+        Trace("distance to goal [m]", distance, {"capture": capture.distance}),
         Trace(
             "attitude error [°]",
-            rows("angle_error", math.degrees(1.0)),
+            np.multiply(angle, math.degrees(1.0), out=angle),
             {"capture": capture.angle_deg, "settled": settled.angle_deg},
         ),
-        Trace("rate error [rad/s]", rows("rate_error"), {"capture": capture.rate, "settled": settled.rate}),
+        Trace("rate error [rad/s]", rate, {"capture": capture.rate, "settled": settled.rate}),
     ]
     return envelope(time, traces, caption, path)
+
+
+def _seen(result: CampaignResult, index: int) -> list[Array]:
+    """Fly a run again, and let go of all of its history but the time and the series that are drawn."""
+    history = result.replay(index).history
+    return [history[name] for name in ("time", *SEEN)]

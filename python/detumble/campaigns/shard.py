@@ -20,6 +20,7 @@ import polars as pl
 from detumble.campaigns.rows import CAUSES, FAILURE, INDEX, RESULTS, Column
 from detumble.scenario.faults import quantity_of, section_at
 from detumble.scenario.model import Scenario
+from detumble.surroundings import check_polars
 from detumble.writing import reason
 
 if TYPE_CHECKING:
@@ -74,6 +75,7 @@ def frame_of(columns: Mapping[str, NDArray[Any] | Sequence[str | None]]) -> pl.D
     Raises:
         ValueError: a column of another type.
     """
+    check_polars()
     frame = pl.DataFrame([_series(name, values) for name, values in columns.items()])
     for name, dtype in frame.schema.items():
         if dtype not in KINDS:
@@ -118,6 +120,7 @@ def encode(frame: pl.DataFrame, campaign: str, number: int, first: int) -> bytes
         number: of the shard.
         first: index of the first run.
     """
+    check_polars()
     label = {
         "campaign": campaign,
         "shard": str(number),
@@ -151,6 +154,7 @@ def decode(raw: bytes, campaign: str, number: int, first: int) -> pl.DataFrame:
     Raises:
         Damage: anything is not as it was written.
     """
+    check_polars()
     start = len(raw) - _footer_length(raw[-_END:], len(raw))
     label = _label(raw[start:], campaign, number)
     # before polars reads it: some flipped bits make its reader abort the whole process

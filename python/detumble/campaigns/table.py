@@ -14,6 +14,7 @@ from xarray.core import indexing
 from detumble.campaigns.rows import CAUSES, FAILURE
 from detumble.campaigns.shard import CAUSE, KINDS, Damage, codes, column, rows_in, values
 from detumble.errors import RequestError
+from detumble.surroundings import check_dask, check_polars
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
@@ -65,6 +66,7 @@ class Runs:
 
     def lazy(self) -> pl.LazyFrame:
         """Give the table, ordered by `index`, for queries that read only what they need."""
+        check_polars()
         return pl.scan_parquet(self._paths, glob=False).head(self._runs)
 
     def to_polars(self) -> pl.DataFrame:
@@ -83,6 +85,7 @@ class Runs:
 
     def to_xarray(self) -> xr.Dataset:
         """Give the table as a dataset over `run`, with units and long names; a variable is read when its values are used."""
+        check_dask()
         variables = {
             name: xr.Variable("run", indexing.LazilyIndexedArray(self._stored(name, dtype)), _attributes(name, dtype))
             for name, dtype in self.lazy().collect_schema().items()
@@ -126,6 +129,7 @@ class _StoredColumn(BackendArray):
 
     def _read(self, positions: range | list[int] | NDArray[np.intp]) -> NDArray[Any]:
         """Read the values at increasing positions."""
+        check_polars()
         read = np.empty(len(positions), self.dtype)
         numbers = range(positions[0] // self._rows, positions[-1] // self._rows + 1) if len(positions) else ()
         for number in numbers:

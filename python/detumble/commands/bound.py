@@ -46,7 +46,10 @@ def bound(
     """Bound what any controller could do: the fastest capture, the least Δv, the least time to detumble."""
     from detumble.analysis.bounds.bound import bound as bounds_of
     from detumble.results import results_folder
+    from detumble.surroundings import check_polars
 
+    if out:
+        check_polars()  # which writes the tables
     if (quick or seed is not None) and runs is None:
         raise RequestError("--quick and --seed: need --runs, the number of runs of the campaign")
     chosen = scenario_of(scenario, [*(settings or ()), *(more or ())])

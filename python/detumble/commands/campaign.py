@@ -65,6 +65,9 @@ def campaign(
     backend: Annotated[str | None, typer.Option(help="portable, avx2 or avx512; else the core chooses.")] = None,
 ) -> None:
     """Fly a scenario many times and say how surely, how fast and at what cost it captures."""
+    from detumble.surroundings import check_polars
+
+    check_polars()  # before polars is imported, which has warnings of its own to that
     from detumble.campaigns.campaign import campaign as fly
     from detumble.commands.progress import Progress
     from detumble.results import refuse_foreign, results_folder

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -32,8 +33,9 @@ def _finite(value: Any) -> Any:
 
 
 def remark(text: str) -> None:
-    """Tell a person something without touching standard output."""
-    print(text, file=sys.stderr)
+    """Tell a person something without touching standard output; where nobody can be told, nothing is lost."""
+    with suppress(OSError):
+        print(text, file=sys.stderr)
 
 
 def table(rows: Sequence[Sequence[str]], *, header: bool = True) -> str:

@@ -136,6 +136,7 @@ def _command(flights: Mapping[str, Flight], name: str, limit: float, symbol: str
             draw_line(axes, law, asked, span.end, linewidth=0.7, linestyle=(0, (1.0, 1.5)), alpha=0.6, zorder=1.7)
             draw_level(axes, [limit, -limit])
         row[0].yaxis.label.set_color(look(law).colour)
+        row[0].yaxis.label.set_parse_math(False)
         if math.isfinite(limit):
             row[0].set_yscale("symlog", linthresh=0.01 * limit, linscale=0.5)
             row[0].set_ylim(-2.5 * limit, 2.5 * limit)

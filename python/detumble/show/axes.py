@@ -187,6 +187,8 @@ def law_legend(figure: Figure, flights: Mapping[str, Flight], ends: Mapping[str,
         title=title or None,
     )
     legend.get_title().set_multialignment("center")
+    for text in legend.get_texts():  # a name is no formula
+        text.set_parse_math(False)
 
 
 def captured_at(flights: Mapping[str, Flight]) -> dict[str, str]:

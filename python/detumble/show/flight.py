@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -67,7 +67,8 @@ def build(flight: Flight) -> Figure:
         panel.set_xlabel(TIME_LABEL)
         panel.xaxis.set_label_coords(0.5, -0.13)
     figure.suptitle(heading(flight.scenario.title), y=0.985, parse_math=False)
-    figure.text(0.5, 0.94, _subtitle(flight, end), ha="center", va="center", fontsize=9.5, color="#404040")
+    style: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 9.5, "color": "#404040"}
+    figure.text(0.5, 0.94, _subtitle(flight, end), parse_math=False, **style)
     return figure
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from detumble.scenario.laws import TITLES
+from detumble.show.drawing import load_matplotlib
 from detumble.writing import whole_file
 
 if TYPE_CHECKING:
@@ -96,6 +97,7 @@ def look(law: str) -> Look:
 @contextmanager
 def styled() -> Iterator[None]:
     """Draw with detumble's settings, whatever the user's own are; they are back afterwards."""
+    load_matplotlib()
     import matplotlib.style
 
     with matplotlib.style.context(["default", _SETTINGS]):
@@ -118,6 +120,11 @@ def heading(text: str, width: int = 100) -> str:
     """Bring text from a scenario into the shape of a title: one line, not too long."""
     line = " ".join(text.split())
     return line if len(line) <= width else line[: width - 1].rstrip() + "…"
+
+
+def shortened(name: str, width: int) -> str:
+    """Leave out the middle of a long name: the end often says how it differs from others."""
+    return name if len(name) <= width else f"{name[: width // 3]}…{name[-(width - width // 3 - 1) :]}"
 
 
 def save(figure: Figure, paths: Sequence[Path]) -> list[Path]:

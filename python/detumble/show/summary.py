@@ -116,6 +116,7 @@ def _name_rows(axes: Axes, flights: Mapping[str, Flight]) -> None:
     axes.set_ylim(len(flights) - 0.5, -0.5)
     axes.set_yticks(range(len(flights)), [look(law).label for law in flights])
     for text, law in zip(axes.get_yticklabels(), flights, strict=False):
+        text.set_parse_math(False)
         text.set_color(look(law).colour)
         text.set_fontweight("bold")
     axes.tick_params(axis="y", length=0.0)

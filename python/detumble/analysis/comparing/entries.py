@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from detumble.scenario.model import Scenario
 
 FORMS: tuple[Form, ...] = ("printed", "corrected")
+MOST_CHARACTERS = 60
+"""Of a name: tables and figures have no room for more."""
 
 
 @dataclass(frozen=True)
@@ -92,8 +94,8 @@ def check_entries(entries: Sequence[Entry], scenario: Scenario, *, as_given: boo
         as_given: with the gains that the scenario has.
 
     Raises:
-        RequestError: there are fewer than two, two have one name, a name cannot be a file's, or a law has no gains that could be
-            flown as given.
+        RequestError: there are fewer than two, two have one name, a name is too long or cannot be printed or a file's, or a law
+            has no gains that could be flown as given.
     """
     instance("entries", entries, list | tuple, "a list of Entry")  # type: ignore[arg-type]  # a union is no type to mypy
     if len(entries) < 2:
@@ -106,6 +108,11 @@ def check_entries(entries: Sequence[Entry], scenario: Scenario, *, as_given: boo
             raise RequestError(
                 f"entry {entry.name!r}: {scenario.title} has no gains for {entry.law}; it has them for "
                 f"{', '.join(known) or 'none'}"
+            )
+        if not entry.name.isprintable() or len(entry.name) > MOST_CHARACTERS:
+            raise RequestError(
+                f"entry {entry.name[:MOST_CHARACTERS]!r}: its name has {len(entry.name)} characters; it must be a line of at "
+                f"most {MOST_CHARACTERS} that can be printed"
             )
         if not entry.file:
             raise RequestError(f"entry {entry.name!r}: its name must have a letter from a to z or a digit")

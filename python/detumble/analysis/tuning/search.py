@@ -11,12 +11,15 @@ All randomness comes from a generator of its own: nothing depends on, or touches
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from detumble.show.drawing import load_matplotlib
 
 Array = NDArray[np.float64]
 Evaluate = Callable[[Array], Array]
@@ -99,6 +102,7 @@ def _stagnant(least: list[float]) -> bool:
 
 def _strategy(origin: Array, step: float, population: int, generator: np.random.Generator) -> Any:
     """Begin a descent."""
+    load_matplotlib()  # which cma imports
     import cma  # type: ignore[import-untyped]  # it tells no types
 
     options = {
@@ -113,6 +117,7 @@ def _strategy(origin: Array, step: float, population: int, generator: np.random.
         "maxiter": math.inf,
         "verbose": -10,
         "verb_log": 0,
+        "verb_filenameprefix": os.devnull,  # of the files that are not written; by default in the current folder, if any
         "verb_disp": 0,
         "signals_filename": "",  # no file steers the search
     }

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from detumble.show.campaign.frame import PLAIN, QUIET, Caption, counted, page, say
-from detumble.show.style import LIMIT, save, styled
+from detumble.show.style import LIMIT, save, shortened, styled
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -76,11 +76,6 @@ def ranking(outcomes: Sequence[Sensitivity]) -> list[str]:
     return sorted(strength, key=lambda field: -strength[field])
 
 
-def shortened(field: str) -> str:
-    """Leave out the middle of a long name: the end says which component it is."""
-    return field if len(field) <= NAME else f"{field[: NAME // 3]}…{field[-(NAME - NAME // 3 - 1) :]}"
-
-
 def _bars(axes: Axes, outcome: Sensitivity, fields: Sequence[str], colour: str) -> None:
     influences = {found.field: found for found in outcome.influences if math.isfinite(found.index)}
     threshold = outcome.threshold or 0.0
@@ -106,7 +101,7 @@ def _bars(axes: Axes, outcome: Sensitivity, fields: Sequence[str], colour: str) 
 
 def _set_rows(axes: Axes, fields: Sequence[str], named: bool) -> None:
     axes.set_ylim(max(len(fields), 1) - 0.5, -0.5)
-    axes.set_yticks(range(len(fields)), [shortened(field) if named else "" for field in fields])
+    axes.set_yticks(range(len(fields)), [shortened(field, NAME) if named else "" for field in fields])
     for label in axes.get_yticklabels():
         label.set_parse_math(False)
     axes.tick_params(axis="y", length=0.0)

@@ -167,7 +167,7 @@ def _table(figure: Figure, captured: Mapping[str, Ecdf], settled: Mapping[str, E
             marker=style.marker, markevery=[1], markersize=5.5, transform=figure.transFigure, figure=figure,
         )  # fmt: skip
         figure.add_artist(sample)
-        figure.text(columns[0], at, style.label, va="center", fontweight="bold", color=style.colour)
+        figure.text(columns[0], at, style.label, va="center", fontweight="bold", color=style.colour, parse_math=False)
         words = _said(captured[law], runs) + (_said(settled[law], runs) if law in settled else [])
         for column, word in zip(columns[1:], words, strict=False):
             figure.text(column, at, word, va="center", fontsize=9.0)

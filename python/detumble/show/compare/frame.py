@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from detumble.analysis.tuning.objective import MEANINGS
 from detumble.show.campaign.frame import Caption, below_headline, counted, page
-from detumble.show.style import Dashes, look
+from detumble.show.style import Dashes, look, shortened
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,6 +20,8 @@ DASHES: dict[str, tuple[Dashes, ...]] = {
     "corrected": ((0, (4.0, 1.6)), (0, (1.2, 1.2)), (0, (4.0, 1.4, 1.2, 1.4))),
 }
 """By form: of the first entry of a law, the second, and all others."""
+NAME = 26
+"""Most characters of the name of an entry; five columns of a legend have room for those of a law and its form."""
 _ROW = 0.2
 """Height of a row of the legend, inches."""
 
@@ -29,7 +31,7 @@ class EntryLook:
     """How an entry is drawn.
 
     Attributes:
-        label: its name.
+        label: its name, shortened.
         colour: of its law.
         dashes: solid as printed, broken as corrected.
         marker: of its law.
@@ -62,7 +64,8 @@ def looks(comparison: Comparison) -> list[EntryLook]:
         number = met[entry.law, entry.form] = met.get((entry.law, entry.form), -1) + 1
         style, dashes = look(entry.law), DASHES[entry.form]
         fill = style.colour if entry.form == "printed" else "white"
-        found.append(EntryLook(entry.name, style.colour, dashes[min(number, len(dashes) - 1)], style.marker, fill))
+        name = shortened(entry.name, NAME)
+        found.append(EntryLook(name, style.colour, dashes[min(number, len(dashes) - 1)], style.marker, fill))
     return found
 
 
@@ -84,7 +87,8 @@ def sheet(comparison: Comparison, width: float, height: float, *notes: str, lege
     )
     goal = f"{plan.objective.statistic} of {MEANINGS[plan.objective.what]}, success at least {100 * plan.objective.required:g} %"
     lines = (f"{goal}   ·   {gains}", *notes)
-    columns = min(5, len(comparison.entries))
+    longest = max(len(known.label) for known in looks(comparison))
+    columns = min(5 if longest < 20 else 4, len(comparison.entries))
     rows = math.ceil(len(comparison.entries) / columns) if legend else 0
     room = _ROW * rows + (0.12 if legend else 0.0)
     taken = below_headline(len(lines)) + room
@@ -112,3 +116,5 @@ def _legend(figure: Figure, comparison: Comparison, columns: int, top: float) ->
         columnspacing=1.6,
     )
     legend.set_in_layout(False)
+    for text in legend.get_texts():  # a name is no formula
+        text.set_parse_math(False)

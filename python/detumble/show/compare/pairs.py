@@ -9,7 +9,7 @@ from detumble.analysis.comparing.ranking import SIGNIFICANT
 from detumble.analysis.comparing.report import METRIC_TITLES
 from detumble.analysis.comparing.result import OBJECTIVES
 from detumble.show.campaign.frame import QUIET
-from detumble.show.compare.frame import sheet
+from detumble.show.compare.frame import looks, sheet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,9 +34,9 @@ def draw_pairs(comparison: Comparison) -> Figure:
     left, right = figure.subplots(1, 2, sharey=True)
     _matrix(left, comparison, OBJECTIVES[comparison.plan.objective.what], f"{name}: median of row less column [{unit}]")
     _matrix(right, comparison, "failed", "failures: row less column [% of runs]")
-    order = comparison.ordered
+    order, known = comparison.ordered, looks(comparison)
     labels = [
-        f"{comparison.entries[place].entry.name}   {comparison.ranking.ranks[place]} {comparison.ranking.letters[place]}"
+        f"{known[place].label}   {comparison.ranking.ranks[place]} {comparison.ranking.letters[place]}"
         for place in order
     ]
     left.set_yticks(range(count), labels)
@@ -48,11 +48,11 @@ def draw_pairs(comparison: Comparison) -> Figure:
 def _matrix(axes: Axes, comparison: Comparison, metric: str, title: str) -> None:
     from matplotlib.patches import Rectangle
 
-    order = comparison.ordered
+    order, known = comparison.ordered, looks(comparison)
     axes.set_title(title, color=QUIET)
     axes.set_xlim(-0.5, len(order) - 0.5)
     axes.set_ylim(len(order) - 0.5, -0.5)
-    axes.set_xticks(range(len(order)), [comparison.entries[place].entry.name for place in order], rotation=90)
+    axes.set_xticks(range(len(order)), [known[place].label for place in order], rotation=90)
     for label in axes.get_xticklabels():
         label.set_parse_math(False)
     axes.grid(visible=False)

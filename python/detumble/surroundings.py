@@ -1,0 +1,90 @@
+"""What libraries need of the process and of its environment, and answer badly where it is not so.
+
+Polars works with threads. A process that is forked from one in which they run has none, and would wait for them for ever.
+`import detumble` begins to watch, so that a child knows of it whoever forks it, and whatever polars was used for.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+
+lost = False
+"""Whether the threads of polars were left behind in the process that this one was forked from."""
+_running = False
+
+
+def check_polars() -> None:
+    """Make sure, before polars has anything to do for its threads, that it can.
+
+    Raises:
+        RequestError: they were left behind in a fork, or the environment asks for a number of them that cannot be.
+    """
+    from detumble.errors import RequestError
+
+    if lost:
+        raise RequestError(
+            "this process was forked from one in which polars is at work, whose threads do not come along: campaigns can be "
+            'used in it if it is started by "spawn" or "forkserver" (multiprocessing.get_context, mp_context)'
+        )
+    number = os.environ.get("POLARS_MAX_THREADS", "1")
+    if not (number.isascii() and number.isdecimal() and int(number)):
+        raise RequestError(f"POLARS_MAX_THREADS {number!r}: must be a whole number of at least 1, or not set at all")
+
+
+def check_dask() -> None:
+    """Make sure, before xarray looks for Dask, that it can be imported if it is there.
+
+    Raises:
+        RequestError: its configuration cannot be read.
+    """
+    from detumble.errors import RequestError
+
+    try:
+        import dask  # noqa: F401
+    except ImportError:
+        pass
+    except Exception as error:  # of any kind: it lets through what its reader of YAML raises
+        why = str(error).partition("\n")[0].rstrip(":")
+        raise RequestError(f"Dask cannot read its configuration (DASK_CONFIG, ~/.config/dask): {why}") from None
+
+
+def _runs_in(process: int | str) -> bool:
+    """Look for the threads of polars, as far as the system tells the names of threads."""
+    if "polars" not in sys.modules:
+        return False
+    from contextlib import suppress
+    from pathlib import Path
+
+    names = []
+    for name in Path(f"/proc/{process}/task").glob("*/comm"):
+        with suppress(OSError):  # a thread that has just ended
+            names.append(name.read_text(errors="replace"))
+    workers = ("tokio-rt-worker", *(f"polars-{digit}" for digit in range(10)))
+    return any(name.startswith(workers) for name in names)
+
+
+def _is_fork() -> bool:
+    """Tell whether this process runs the program that its parent began: then the system's start values are the same."""
+    from pathlib import Path
+
+    try:
+        return Path("/proc/self/auxv").read_bytes() == Path(f"/proc/{os.getppid()}/auxv").read_bytes()
+    except OSError:
+        return False
+
+
+def _look() -> None:
+    global _running
+    _running = _runs_in("self")
+
+
+def _remember() -> None:
+    global lost
+    lost = lost or _running
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=_look, after_in_child=_remember)
+    # a child whose parent never imported detumble
+    lost = not _runs_in("self") and _runs_in(os.getppid()) and _is_fork()
