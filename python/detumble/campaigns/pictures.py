@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -75,7 +76,7 @@ def draw(result: CampaignResult, over: Sequence[str], target: float | None) -> l
             capture_times({law: statistics.ecdf("capture_time_s")}, settled, caption, folder / "capture-times.png"),
             failures(statistics.success, statistics.failures, caption, folder / "failures.png"),
             convergence(statistics.convergence(), caption, folder / "convergence.png", target),
-            _envelope(result, caption, folder / "envelope.png"),
+            *_envelope(result, caption, folder / "envelope.png"),
         ]
         if varying:
             outcomes = result.sensitivities()
@@ -137,15 +138,22 @@ def _label(name: str) -> str:
     return f"{name} [{unit}]" if unit else name
 
 
-def _envelope(result: CampaignResult, caption: Caption, path: Path) -> Path:
+def _envelope(result: CampaignResult, caption: Caption, path: Path) -> list[Path]:
+    """Draw runs flown again, without those that cannot be, or that have no finite row; nothing where none is left."""
     scenario = result.recipe.parsed
     ticks = round(scenario.time.duration / scenario.time.control_period) + 1
     count = min(result.statistics.runs, max(10, min(REFLOWN, TICKS // ticks)))
-    histories = [result.replay(index).history for index in range(count)]
+    histories = []
+    for index in range(count):
+        with suppress(RequestError):
+            histories.append(result.replay(index).history)
+    histories = [history for history in histories if len(history["time"])]
+    if not histories:
+        return []
     time = max((history["time"] for history in histories), key=len)
 
     def rows(name: str, factor: float = 1.0) -> Array:
-        values = np.full((count, len(time)), np.nan)
+        values = np.full((len(histories), len(time)), np.nan)
         for row, history in zip(values, histories, strict=True):
             row[: len(history[name])] = factor * history[name]
         return values
@@ -160,4 +168,4 @@ def _envelope(result: CampaignResult, caption: Caption, path: Path) -> Path:
         ),
         Trace("rate error [rad/s]", rows("rate_error"), {"capture": capture.rate, "settled": settled.rate}),
     ]
-    return envelope(time, traces, caption, path)
+    return [envelope(time, traces, caption, path)]

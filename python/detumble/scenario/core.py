@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from detumble.scenario.laws import OpenLoop
-    from detumble.scenario.model import Scenario
+    from detumble.scenario.model import Scenario, Time
     from detumble.scenario.quantity import Axes
     from detumble.scenario.section import Section
 
@@ -92,6 +92,11 @@ def ticks(duration: float, period: float) -> int:
     return max(0, math.ceil(count - 1e-9 * max(1.0, count)))
 
 
+def steps_per_period(time: Time) -> int:
+    """Count the integration steps into which a control period is cut."""
+    return max(1, ticks(time.control_period, time.integration_step))
+
+
 def _body(mass: float, inertia: Any, grasp_point: Any) -> Tree:
     return {"mass": mass, "inertia": tensor(inertia), "grasp_point": list(grasp_point or (0.0, 0.0, 0.0))}
 
@@ -138,7 +143,7 @@ def _open_loop(scenario: Scenario) -> Tree:
         {
             "first_tick": min(round(segment.start / period), after),
             "end_tick": min(round(segment.end / period), after),
-            "body_frame": segment.frame == "body",
+            "frame": segment.frame,
             "force": list(segment.force),
             "torque": list(segment.torque),
         }
@@ -177,11 +182,17 @@ def _gains(channel: Section, form: str) -> Tree:
 
 def _plan(scenario: Scenario, law: str, until_the_end: bool) -> Tree:
     time, capture, laws = scenario.time, scenario.capture, scenario.laws
+    periods = round(time.duration / time.control_period)
+
+    def counted(wait: float) -> int:
+        """Count the ticks of a wait; one longer than the flight never ends, however long it is."""
+        return ticks(min(wait, (periods + 1) * time.control_period), time.control_period)
+
     return {
         "control_period": time.control_period,
-        "steps_per_period": max(1, ticks(time.control_period, time.integration_step)),
-        "periods": round(time.duration / time.control_period),
-        "dwell_ticks": ticks(capture.dwell, time.control_period),
+        "steps_per_period": steps_per_period(time),
+        "periods": periods,
+        "dwell_ticks": counted(capture.dwell),
         "grasp": scenario.has_grasp_points,
         "feedforward": scenario.goal.acceleration_feedforward,
         "goal_after_given": scenario.goal.position_after_capture is not None,
@@ -193,5 +204,5 @@ def _plan(scenario: Scenario, law: str, until_the_end: bool) -> Tree:
         "two_epsilon": laws.attitude_error == "two_epsilon",
         "exact_surface_rate": laws.surface_rate == "exact",
         "end": "duration" if until_the_end or law == "none" else scenario.campaign.end,
-        "hold_ticks": ticks(scenario.campaign.hold, time.control_period),
+        "hold_ticks": counted(scenario.campaign.hold),
     }
