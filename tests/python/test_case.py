@@ -72,7 +72,7 @@ def test_a_step_divides_the_period_evenly(paper: Scenario) -> None:
 def test_open_loop_counts_segments_in_ticks_and_never_merges(paper: Scenario) -> None:
     segment = "laws.none.segments=[{start = 0.3, end = 1.1, frame = 'body', torque = [1, 2, 3]}]"
     recipe = case(with_settings(paper, [segment]), "none")
-    expected = {"first_tick": 3, "end_tick": 11, "body_frame": True, "force": [0.0] * 3, "torque": [1.0, 2.0, 3.0]}
+    expected = {"first_tick": 3, "end_tick": 11, "frame": "body", "force": [0.0] * 3, "torque": [1.0, 2.0, 3.0]}
     assert recipe["law"] == {"kind": "none", "segments": [expected]}
     assert recipe["plan"]["merge"] is False
 
