@@ -117,7 +117,6 @@ def test_figures_are_drawn_of_the_runs_that_there_are(tmp_path: Path) -> None:
     assert (tmp_path / "some" / "figures" / "envelope.png").exists()
 
 
-
 def test_a_campaign_of_which_no_run_can_be_flown_fails_after_it_has_printed(tmp_path: Path) -> None:
     """The first run of some seed has no gains; of the nominal case nothing is known."""
     chosen = scenario("laws.lqr.rotation.q_error", "laws.lqr.rotation.q_rate")
