@@ -112,7 +112,7 @@ def test_figures_are_drawn_of_the_runs_that_there_are(tmp_path: Path) -> None:
     chosen = scenario(f"{field}.q_error", f"{field}.q_rate")
     chosen.save(tmp_path / "s.toml")
     shared = ["campaign", str(tmp_path / "s.toml"), "--law", "lqr", "--seed", "1", "--json"]
-    code, printed = call([*shared, "--runs", "40", "--figures", "--out", str(tmp_path / "some")])
+    code, _ = call([*shared, "--runs", "40", "--figures", "--out", str(tmp_path / "some")])
     assert code == 0
     assert (tmp_path / "some" / "figures" / "envelope.png").exists()
 
