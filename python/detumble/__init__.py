@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from detumble.campaigns.result import CampaignResult, read_campaign
     from detumble.errors import RequestError, ScenarioError
     from detumble.flight import Flight, read_netcdf, simulate
+    from detumble.recorded import replay_wrench
     from detumble.scenario import LAWS, Scenario, load
     from detumble.scenario import built_in as scenarios
 
@@ -43,6 +44,7 @@ _HOMES = {
     "read_campaign": ("detumble.campaigns.result", "read_campaign"),
     "load": ("detumble.scenario.files", "load"),
     "read_netcdf": ("detumble.flight", "read_netcdf"),
+    "replay_wrench": ("detumble.recorded", "replay_wrench"),
     "scenarios": ("detumble.scenario.files", "built_in"),
     "simulate": ("detumble.flight", "simulate"),
     "tune": ("detumble.analysis.tuning.tuner", "tune"),
@@ -63,6 +65,7 @@ __all__ = [
     "load",
     "read_campaign",
     "read_netcdf",
+    "replay_wrench",
     "scenarios",
     "simulate",
     "tune",

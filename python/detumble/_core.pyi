@@ -13,7 +13,8 @@ def fly(
 ) -> dict[str, Any]:
     """Fly one case; gives `backend`, `history`, `summary` and `merge`.
 
-    `differing` are the paths of the numbers in which flights of its campaign differ.
+    `differing` are the paths of the numbers in which flights of its campaign differ: such a flight may have drawn weights
+    without gains, and ends where they would command.
     """
 
 def fly_many(
@@ -38,6 +39,9 @@ def fly_many(
 
 def draw(spec: dict[str, Any], seed: int, first: int, count: int) -> dict[str, Array]:
     """Draw the dispersed fields of runs `first` to `first + count - 1`; by path (count,), or (count, width)."""
+
+def tick_times(period: float, ticks: NDArray[np.uint64]) -> Array:
+    """Give the times of control ticks, s, as histories and metrics have them."""
 
 def backends() -> list[str]:
     """Name the back ends that this machine can run, the narrowest first."""

@@ -11,6 +11,9 @@ from detumble.scenario.wording import did_you_mean
 if TYPE_CHECKING:
     from types import ModuleType
 
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
 
 def core() -> ModuleType:
     """Give the compiled module.
@@ -25,6 +28,19 @@ def core() -> ModuleType:
     except ImportError as error:
         raise RequestError(f"the compiled core cannot be loaded ({error}); `make setup` builds it") from None
     return _core
+
+
+def tick_times(period: float, ticks: ArrayLike) -> NDArray[np.float64]:
+    """Give the times of control ticks, s, as histories and metrics have them: the doubles nearest to the decimals k T.
+
+    Args:
+        period: of control, s.
+        ticks: (n,) whole numbers from 0 on.
+    """
+    import numpy as np
+
+    times: NDArray[np.float64] = core().tick_times(period, np.asarray(ticks, np.uint64))
+    return times
 
 
 def checked_backend(name: str | None) -> str | None:

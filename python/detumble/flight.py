@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
+from detumble.campaigns.rows import NO_GAINS, cause
 from detumble.checking import MOST_SEED, whole
 from detumble.compiled import checked_backend, core
 from detumble.errors import ScenarioError
@@ -17,7 +18,7 @@ from detumble.scenario.core import case
 from detumble.scenario.files import given
 from detumble.scenario.hints import far_away, warnings
 from detumble.scenario.model import Scenario
-from detumble.scenario.step import integration_step
+from detumble.scenario.step import flown_exactly, integration_step
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -25,6 +26,12 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
+
+HOPELESS_TURN = 0.5
+"""A flight that diverges after a larger turn in an integration step, rad, does so for that reason."""
+INSIDE = "the start is already inside every threshold: captured at t = 0"
+BROKEN_OFF = {"diverged": "diverged", "no_gains": "broken off"}
+"""Events with which a flight ends before its time, and what a warning calls them."""
 
 
 @dataclass(frozen=True)
@@ -34,10 +41,11 @@ class Event:
     Attributes:
         name: what.
         time: when, s.
-        details: what belongs to it: for `captured` the states before and after the merge, for `diverged` the cause.
+        details: what belongs to it: for `captured` the states before and after the merge, for `diverged` and `no_gains`
+            the cause.
     """
 
-    name: Literal["captured", "settled", "diverged"]
+    name: Literal["captured", "settled", "no_gains", "diverged"]
     time: float
     details: dict[str, Any] = field(default_factory=dict)
 
@@ -53,7 +61,7 @@ class Flight:
         index: number of the trajectory under that seed.
         backend: which build of the core flew it.
         history: time series by name, one row a tick: (N+1,), (N+1, 3) or (N+1, 4), SI. A flight that diverged ends at the
-            last finite row.
+            last finite row, one whose law has no gains at the tick at which it would command: nothing is commanded there.
         metrics: what it amounts to.
         events: in order of time.
         warnings: what a reader of the numbers ought to know.
@@ -85,6 +93,11 @@ class Flight:
     def diverged(self) -> bool:
         """Tell whether the state left the numbers."""
         return self.metrics.diverged_time is not None
+
+    @property
+    def broken_off(self) -> bool:
+        """Tell whether the flight ended before its time: it diverged, or its law had no gains."""
+        return any(event.name in BROKEN_OFF for event in self.events)
 
     def event(self, name: str) -> Event | None:
         """Find an event by its name."""
@@ -164,8 +177,12 @@ def flown(
     except ValueError as error:
         raise ScenarioError(scenario.title, problem=str(error)) from None
     metrics = Metrics.from_summary(record["summary"])
-    events = _events(metrics, record)
-    remarks = (*_warnings(metrics, events, scenario, law, _fast_turn(record, numbers)), *_far(record, scenario))
+    step = numbers["plan"]["control_period"] / numbers["plan"]["steps_per_period"]
+    events = _events(metrics, record, step)
+    remarks = (
+        *_warnings(metrics, events, scenario, law, _fast_turn(metrics, record, numbers, scenario)),
+        *_far(record, scenario),
+    )
     return Flight(
         scenario=scenario,
         law=law,
@@ -196,22 +213,26 @@ def read_netcdf(path: str | os.PathLike[str]) -> Flight:
     return read(path)
 
 
-def _events(metrics: Metrics, record: Mapping[str, Any]) -> tuple[Event, ...]:
-    events = []
+def _events(metrics: Metrics, record: Mapping[str, Any], step: float) -> tuple[Event, ...]:
+    events, history, summary = [], record["history"], record["summary"]
     if metrics.capture_time is not None:
-        merge = record["merge"]
-        events.append(Event("captured", metrics.capture_time, _listed(merge or {})))
-        if metrics.settling_time is not None:
-            events.append(Event("settled", metrics.capture_time + metrics.settling_time))
+        events.append(Event("captured", metrics.capture_time, _listed(record["merge"] or {})))
+    if metrics.settled_tick is not None:
+        events.append(Event("settled", float(history["time"][metrics.settled_tick])))
+    if summary["failure"] == NO_GAINS:
+        events.append(Event("no_gains", summary["end_time"], {"cause": cause(NO_GAINS)}))
     if metrics.diverged_time is not None:
-        events.append(Event("diverged", metrics.diverged_time, {"cause": _cause(record["history"])}))
+        events.append(Event("diverged", metrics.diverged_time, {"cause": _divergence(history, metrics, step)}))
     return tuple(events)
 
 
-def _cause(history: Mapping[str, NDArray[np.float64]]) -> str:
-    """Name the part of the state that grew fastest from the last finite row but one to the last."""
+def _divergence(history: Mapping[str, NDArray[np.float64]], metrics: Metrics, step: float) -> str:
+    """Name a turn that no integration bears, or else the part of the state that grew fastest at the end."""
     if not len(history["time"]):
         return "the start is not finite"
+    turn = (metrics.largest_rate or 0.0) * step
+    if turn > HOPELESS_TURN:
+        return f"a body turned {turn:.2g} rad in an integration step of {step:.4g} s, too far for its rotation to be integrated"
     units = {"position": "m", "velocity": "m/s", "chaser_rate": "rad/s", "debris_rate": "rad/s"}
     last = {name: float(abs(history[name][-1]).max()) for name in units}
     before = {name: float(abs(history[name][-2:][0]).max()) for name in units}
@@ -235,31 +256,45 @@ def _far(record: Mapping[str, Any], scenario: Scenario) -> Iterator[str]:
             yield f"reached a distance of {text}"
 
 
-def _fast_turn(record: Mapping[str, Any], numbers: Mapping[str, Any]) -> str:
-    """Say that a body turns too fast for the integration step; empty where none does."""
-    import numpy as np
-
-    history, plan, merge = record["history"], numbers["plan"], record["merge"]
+def _fast_turn(metrics: Metrics, record: Mapping[str, Any], numbers: Mapping[str, Any], scenario: Scenario) -> str:
+    """Say that a body turned too fast for the integration step; empty where none did."""
+    plan, merge = numbers["plan"], record["merge"]
+    bodies = [numbers["chaser"]["inertia"]]
+    bodies += [merge["stack_inertia"]] if merge else []
+    bodies += [] if flown_exactly(scenario) else [numbers["debris"]["inertia"]]
     step = plan["control_period"] / plan["steps_per_period"]
-    squares = (np.einsum("ij,ij->i", history[name], history[name]) for name in ("chaser_rate", "debris_rate"))
-    fastest = math.sqrt(max(float(square.max(initial=0.0)) for square in squares))
-    bodies = (numbers["chaser"]["inertia"], numbers["debris"]["inertia"], *([merge["stack_inertia"]] if merge else ()))
-    return coarse_step(most_asymmetric(*bodies), fastest, step, plan["control_period"] * plan["periods"])
+    return coarse_step(most_asymmetric(*bodies), metrics.largest_rate or 0.0, step, record["summary"]["end_time"])
 
 
 def _warnings(
     metrics: Metrics, events: tuple[Event, ...], scenario: Scenario, law: str, fast_turn: str
 ) -> tuple[str, ...]:
     found = []
-    diverged = next((event for event in events if event.name == "diverged"), None)
+    broken = next((event for event in events if event.name in BROKEN_OFF), None)
     if metrics.capture_time == 0.0 and law != "none":
-        found.append("the start is already inside every threshold: captured at t = 0")
-    if diverged:
-        found.append(f"diverged at {diverged.time:.10g} s: {diverged.details['cause']}")
+        found.append(INSIDE)
+    if broken:
+        found.append(f"{BROKEN_OFF[broken.name]} at {broken.time:.10g} s: {broken.details['cause']}")
     elif metrics.capture_time is None and law != "none":
         found.append(f"not captured within {scenario.time.duration:.10g} s")
     elif metrics.settling_time is None and law != "none" and scenario.capture.merge:
         found.append("captured, but not settled at the end of the flight")
-    if fast_turn and not diverged:
+    if fast_turn:
         found.append(fast_turn)
+    if law == "none":
+        found += _not_flown(metrics, scenario)
     return tuple(found)
+
+
+def _not_flown(metrics: Metrics, scenario: Scenario) -> Iterator[str]:
+    """Say what of the open-loop commands was not flown as it stands in the scenario."""
+    for what, share in (("force", metrics.force_saturated_share), ("torque", metrics.torque_saturated_share)):
+        if share:
+            yield f"the {what} commanded is over actuators.{what}_limit for {100.0 * share:.3g} % of the time, and cut to it"
+    duration = scenario.time.duration
+    for number, segment in enumerate(scenario.laws.none.segments if scenario.laws.none else ()):
+        if segment.end > duration * (1.0 + 1e-9):
+            yield (
+                f"laws.none.segments[{number}] ends at {segment.end:.10g} s, after the flight ({duration:.10g} s): "
+                "the rest is not flown"
+            )

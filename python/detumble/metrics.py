@@ -31,6 +31,7 @@ class Metric:
         definition: what exactly is counted.
         source: key of the core's summary.
         total: the sum over the axes of that key, not the key itself.
+        whole: a whole number.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Metric:
     definition: str
     source: str
     total: bool
+    whole: bool
 
     @property
     def key(self) -> str:
@@ -46,8 +48,10 @@ class Metric:
         return self.name + _SUFFIX[self.unit]
 
 
-def _metric(label: str, unit: str, definition: str, source: str = "", *, total: bool = False) -> Any:
-    card = {"label": label, "unit": unit, "definition": definition, "source": source, "total": total}
+def _metric(
+    label: str, unit: str, definition: str, source: str = "", *, total: bool = False, whole: bool = False
+) -> Any:
+    card = {"label": label, "unit": unit, "definition": definition, "source": source, "total": total, "whole": whole}
     return field(default=None, metadata=card)
 
 
@@ -58,12 +62,16 @@ class Metrics:
     capture_time: float | None = _metric(
         "capture", "s", "first control tick at which every threshold has held for the dwell time"
     )
+    capture_tick: int | None = _metric("capture tick", "", "number of that tick, counted from 0", whole=True)
     capture_distance: float | None = _metric("distance at capture", "m", "distance judged, before the merge")
     capture_angle: float | None = _metric("attitude error at capture", "rad", "angle between chaser and debris axes")
     capture_rate: float | None = _metric("relative rate at capture", "rad/s", "norm of w_C - R w_D")
     capture_speed: float | None = _metric("relative speed at capture", "m/s", "norm of v - v_des in H")
     settling_time: float | None = _metric(
         "settling", "s", "from capture to the tick from which angle and rate against H hold to the end of the flight"
+    )
+    settled_tick: int | None = _metric(
+        "settled tick", "", "number of the tick from which they hold, counted from the start of the flight", whole=True
     )
     final_rate: float | None = _metric("final rate", "rad/s", "norm of the stack's rate relative to H at the end")
     final_pointing: float | None = _metric(
@@ -102,12 +110,17 @@ class Metrics:
     torque_chattering: float | None = _metric(
         "torque chattering", "N m/s", "total variation of the torque asked for, summed over axes, per second"
     )
+    largest_rate: float | None = _metric(
+        "largest rate",
+        "rad/s",
+        "largest norm of omega at a control tick: of chaser and stack, and of debris whose tumble is integrated step by step",
+    )
     diverged_time: float | None = _metric("diverged", "s", "first tick whose state left the numbers")
 
     @classmethod
     def from_summary(cls, summary: Mapping[str, Any]) -> Metrics:
         """Take the metrics from the core's summary, where NaN stands for what did not happen."""
-        values: dict[str, Any] = {metric.name: _value(summary[metric.source], metric.total) for metric in METRICS}
+        values: dict[str, Any] = {metric.name: _value(summary[metric.source], metric) for metric in METRICS}
         return cls(**values)
 
     def to_json(self) -> dict[str, Value]:
@@ -132,19 +145,20 @@ METRICS: tuple[Metric, ...] = tuple(
         definition=entry.metadata["definition"],
         source=entry.metadata["source"] or entry.name,
         total=entry.metadata["total"],
+        whole=entry.metadata["whole"],
     )
     for entry in fields(Metrics)
 )
 """The register, in the order of tables and files."""
 
 
-def _value(raw: Any, total: bool) -> Value:
+def _value(raw: Any, metric: Metric) -> Value:
     if isinstance(raw, float | int):
-        return None if math.isnan(raw) else float(raw)
+        return None if math.isnan(raw) else int(raw) if metric.whole else float(raw)
     numbers = tuple(float(number) for number in raw)
     if any(math.isnan(number) for number in numbers):
         return None
-    return sum(numbers) if total else (numbers[0], numbers[1], numbers[2])
+    return sum(numbers) if metric.total else (numbers[0], numbers[1], numbers[2])
 
 
 def _jsonable(value: Value) -> Any:

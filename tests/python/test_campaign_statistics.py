@@ -42,6 +42,8 @@ def shard(number, rows=SHARD, success_rate=0.9):
     columns |= {f"{kind}_saturated_share": dice.random(rows) for kind in ("force", "torque")}
     columns["capture_time_s"] = np.where(never, np.nan, capture)
     columns["settling_time_s"] = np.where(success, settling, np.nan)
+    columns["capture_tick"] = columns["capture_time_s"] / PERIOD
+    columns["settled_tick"] = (columns["capture_time_s"] + columns["settling_time_s"]) / PERIOD
     columns["final_rate_rad_s"] = np.where(success, columns["final_rate_rad_s"], np.nan)
     assert set(columns) >= {column.name for column in RESULTS}
     return pl.DataFrame(columns, nan_to_null=number % 2 == 0)

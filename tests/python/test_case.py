@@ -10,6 +10,7 @@ import pytest
 
 from detumble.compiled import core
 from detumble.errors import RequestError, ScenarioError
+from detumble.flight import simulate
 from detumble.scenario import LAWS, Scenario, load, with_settings
 from detumble.scenario.core import case, ticks
 
@@ -72,7 +73,7 @@ def test_a_step_divides_the_period_evenly(paper: Scenario) -> None:
 def test_open_loop_counts_segments_in_ticks_and_never_merges(paper: Scenario) -> None:
     segment = "laws.none.segments=[{start = 0.3, end = 1.1, frame = 'body', torque = [1, 2, 3]}]"
     recipe = case(with_settings(paper, [segment]), "none")
-    expected = {"first_tick": 3, "end_tick": 11, "body_frame": True, "force": [0.0] * 3, "torque": [1.0, 2.0, 3.0]}
+    expected = {"first_tick": 3, "end_tick": 11, "frame": "body", "force": [0.0] * 3, "torque": [1.0, 2.0, 3.0]}
     assert recipe["law"] == {"kind": "none", "segments": [expected]}
     assert recipe["plan"]["merge"] is False
 
@@ -89,3 +90,24 @@ def test_a_law_without_gains_or_unknown_is_refused(paper: Scenario) -> None:
         case(paper, "pd")
     with pytest.raises(RequestError, match=r"law 'prl': must be one of pd, .*; did you mean prrl\?$"):
         case(paper, "prl")
+
+
+def test_waits_longer_than_the_flight_are_never_over(paper: Scenario) -> None:
+    settings = ["time.control_period=1e-3", "time.integration_step=1e-3", "time.duration=2", "capture.dwell=4.3e6"]
+    chosen = with_settings(paper, [*settings, "campaign.hold=1e7"])
+    plan = case(chosen, "prrl")["plan"]
+    assert (plan["periods"], plan["dwell_ticks"], plan["hold_ticks"]) == (2000, 2001, 2001)
+    assert simulate(chosen).metrics.capture_time is None
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        ["time.control_period=5e-324", "time.integration_step=5e-324"],
+        ["laws.none.segments=[{start=0, end=1e308}]", "time.control_period=1e-3", "time.duration=2"],
+    ],
+    ids=str,
+)
+def test_ratios_of_times_too_large_for_a_number_are_refused(paper: Scenario, settings: list[str]) -> None:
+    with pytest.raises(ScenarioError, match="whole number of control periods"):
+        with_settings(paper, settings)

@@ -99,7 +99,7 @@ def test_a_merge_is_told_in_lists_and_comes_back_as_it_was(short: Scenario, tmp_
 
 
 def test_a_body_that_turns_far_in_a_step_is_warned_of_with_a_step_that_would_do(short: Scenario) -> None:
-    fast = with_settings(short, ["debris.tumble_rate=[0,0,10]", "time.duration=1.0"])
+    fast = with_settings(short, ["chaser.rate=[0,0,10]", "time.duration=1.0"])
     warning, hint = detumble.simulate(fast, law="none").warnings
     assert "if degrees were meant" in hint
     assert warning == (

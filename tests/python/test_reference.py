@@ -96,7 +96,7 @@ def test_the_reference_lists_attributes_and_events() -> None:
 
     part = part_of_reference("Events and warnings")
     events = re.findall(r"^\| `(\w+)` \|", part, re.MULTILINE)
-    assert events == ["captured", "settled", "diverged"]
+    assert events == ["captured", "settled", "no_gains", "diverged"]
     assert [event.name for event in flight.events] == ["captured", "settled"]
     details = flight.events[0].details
     for name in (*details, *details["before"], *details["after"]):

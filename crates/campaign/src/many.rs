@@ -241,11 +241,11 @@ impl Job for WithImpulse<'_> {
 
     #[inline(always)]
     fn run<R: Real>(self) -> Haul<Workload> {
-        self.0.fly::<R, Impulse<R>, _, _>(|_, flight, _, impulse, i| {
+        self.0.fly::<R, Impulse<R>, _, _>(|scene, flight, _, impulse, i| {
             let time = flight.capture.time.lane(i);
             Workload {
                 end: Batch::<R>::scatter(&flight.truth, i),
-                capture_time: if time.is_finite() { time } else { f64::NAN },
+                capture_time: if time.is_finite() { scene.clock.time_of(scene.clock.tick_at(time)) } else { f64::NAN },
                 impulse: impulse.total.lane(i),
             }
         })

@@ -16,7 +16,7 @@ use crate::number::{Mask, Quat, Real, Stream, Vec3};
 use crate::plant::lvlh::Lvlh;
 use crate::plant::propagate::{Period, Vehicle, Wrench, WrenchFrame, propagate};
 use crate::plant::stack::{merge_approximate, merge_conserving};
-use crate::scene::Scene;
+use crate::scene::{Scene, no_gains};
 
 /// What happens at one control tick of every lane, up to the wrench that is then held; and whose flight is over here.
 #[inline(always)]
@@ -50,7 +50,7 @@ fn control_tick<R: Real, O: Observer<R>>(
     let (demand, frame) = command(scene, flight, &seen, &seen_error, &goal, number);
     let applied = actuate(&scene.numbers.case.actuators, &demand, plan.scaled_saturation);
 
-    let flown = number.lt(R::splat(f64::from(plan.periods)));
+    let flown = number.lt(R::splat(f64::from(plan.periods))) & flight.commanded();
     let tick = Tick { number, time, flown, target, judged, error, demand, applied };
     observer.observe(scene, flight, &tick);
     (Held { wrench: applied, frame, since: time }, !flown | observer.over(scene, flight, &tick))
@@ -118,6 +118,9 @@ fn merge<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, lanes: R::Mask, time
     if let (Some(law), Some(after)) = (&flight.law, &scene.law_after) {
         let after = if scene.plan.true_stack { scene.laws_for(lanes, &flight.vehicle, after) } else { *after };
         flight.law = Some(Law::choose(lanes, &after, law));
+        for i in (0..R::LANES).filter(|&i| lanes.lane(i)) {
+            flight.no_gains.set_lane(i, no_gains(&Batch::<R>::scatter(&after, i)));
+        }
     }
     ride_along(&scene.plan, flight);
 }
@@ -187,6 +190,16 @@ batch_struct! {
         pub mount: Quat<R>,
         /// r_des of the stack \[m, H\].
         pub stack_goal: Vec3<R>,
+        /// 1 where the law of this phase has no gains: a Riccati equation without a solution in double precision.
+        pub no_gains: R,
+    }
+}
+
+impl<R: Real> Flight<R> {
+    /// Lanes whose law can command; any other flight is over.
+    #[inline(always)]
+    pub fn commanded(&self) -> R::Mask {
+        !R::zero().lt(self.no_gains)
     }
 }
 
@@ -197,7 +210,8 @@ pub struct Tick<R: Real> {
     pub number: R,
     /// t_k \[s\].
     pub time: R,
-    /// Not the last tick of a whole flight. The wrench is flown, unless the observer says that the flight is over.
+    /// Not the last tick of a whole flight, nor without a command. The wrench is flown, unless the observer says that the
+    /// flight is over.
     pub flown: R::Mask,
     /// The true goal.
     pub target: Target<R>,

@@ -4,6 +4,7 @@ use crate::case::Motion;
 use crate::closed_loop::{Flight, Observer, Tick};
 use crate::gnc::error::TrackingError;
 use crate::number::{Mask, Mat3, Real};
+use crate::plant::propagate::Wrench;
 use crate::scene::Scene;
 
 /// A named series with a fixed number of components, row by row.
@@ -115,8 +116,17 @@ impl<R: Real> Observer<R> for History {
         let half_sine = error.attitude.vector().lane(0).norm();
         let angle = 2.0 * half_sine.atan2(error.attitude.scalar().lane(0));
         let captured = flight.capture.captured().lane(0);
+        // A law without gains commands nothing; its NaN would come out of the actuators as a limit.
+        let given = |wrench: &Wrench<R>| {
+            if flight.commanded().lane(0) {
+                (wrench.force.lane(0).0, wrench.torque.lane(0).0)
+            } else {
+                ([0.0; 3], [0.0; 3])
+            }
+        };
+        let ((force_command, torque_command), (force, torque)) = (given(&tick.demand), given(&tick.applied));
         self.write(&[
-            &[tick.time.lane(0)],
+            &[scene.clock.time_of(tick.number.lane(0) as u64)],
             &position,
             &velocity,
             &chaser_attitude,
@@ -125,10 +135,10 @@ impl<R: Real> Observer<R> for History {
             &debris_rate,
             &tick.target.position.lane(0).0,
             &tick.target.velocity.lane(0).0,
-            &tick.demand.force.lane(0).0,
-            &tick.applied.force.lane(0).0,
-            &tick.demand.torque.lane(0).0,
-            &tick.applied.torque.lane(0).0,
+            &force_command,
+            &force,
+            &torque_command,
+            &torque,
             &[counted.lane(0).norm()],
             &[angle],
             &[error.rate.lane(0).norm()],

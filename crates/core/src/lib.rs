@@ -10,12 +10,13 @@
 //! - [`hardware`]: sensors and actuators
 //! - [`gnc`]: guidance, tracking errors, capture, control laws
 //! - [`closed_loop`]: one control period, top to bottom on one screen; [`scene`]: what a batch of flights has in common
-//! - [`metrics`], [`history`]: what is kept of a flight
+//! - [`metrics`], [`history`]: what is kept of a flight; [`clock`]: what its times are called
 //!
 //! Units are SI. Frames: N inertial, H the target orbit's LVLH frame, C chaser, D debris, S the stack after capture.
 
 pub mod batch;
 pub mod case;
+pub mod clock;
 pub mod closed_loop;
 pub mod gnc;
 pub mod hardware;

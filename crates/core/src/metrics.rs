@@ -10,6 +10,7 @@
 //! | saturated share | time with at least one axis over its limit, of the time flown |
 //! | chattering | Σ_k Σ_i \|F_i(k) - F_i(k-1)\| of the demand, per second flown |
 //! | settling time | from capture to the first tick from which angle and rate against H stay below their thresholds to the end |
+//! | largest rate | largest \|ω\| at a tick of a body whose rotation is integrated step by step |
 //! | momentum | \|I ω\| of the stack about its centre of mass, ω against N |
 
 use crate::batch_struct;
@@ -39,6 +40,7 @@ batch_struct! {
         last_unsettled: R,
         diverged: R,
         longest_held: R,
+        fastest_squared: R,
         closest: Closest<R>,
         at_capture: AtCapture<R>,
     }
@@ -91,6 +93,7 @@ impl<R: Real> Default for Metrics<R> {
             last_unsettled: -never,
             diverged: never,
             longest_held: zero,
+            fastest_squared: -never, // whose root is no number: of no tick
             closest: Closest { distance: never, sine: never, rate: never, speed: never },
             at_capture: AtCapture {
                 distance: zero,
@@ -138,6 +141,13 @@ impl<R: Real> Observer<R> for Metrics<R> {
         closest.rate = closest.rate.min(judged.rate_squared);
         closest.speed = closest.speed.min(judged.speed_squared);
         self.longest_held = self.longest_held.max(flight.capture.held);
+
+        let mut fastest = flight.truth.chaser_rate.norm_squared();
+        if !scene.common.shapes.symmetric_debris {
+            // After a merge the same rate, seen in the debris' axes.
+            fastest = fastest.max(flight.truth.debris_rate.norm_squared());
+        }
+        self.fastest_squared = R::select(finite, self.fastest_squared.max(fastest), self.fastest_squared);
 
         let flown_on = tick.flown & !self.over(scene, flight, tick);
         self.count_effort(scene, tick, finite & flown_on);
@@ -197,15 +207,18 @@ impl<R: Real> Metrics<R> {
         let plan = &scene.plan;
         let time = number * R::splat(plan.control_period);
         let error = TrackingError::between(&flight.truth, &guide(scene, flight, &flight.truth, time));
-        let capture = flight.capture.time.lane(i);
-        let captured = capture.is_finite();
+        let captured = flight.capture.time.lane(i).is_finite();
         let merged = captured && plan.merge;
         let diverged = self.diverged.lane(i);
+        let no_gains = !flight.commanded().lane(i);
         let if_so = |so: bool, value: f64| if so { value } else { f64::NAN };
         let angle = |half_sine: f64, half_cosine: f64| 2.0 * half_sine.atan2(half_cosine);
 
         let (end_time, settled_from) = (time.lane(i), self.settled_from(flight, plan).lane(i));
-        let settled = merged && diverged == NEVER && settled_from < end_time + 0.5 * plan.control_period;
+        let settled = merged && !no_gains && diverged == NEVER && settled_from < end_time + 0.5 * plan.control_period;
+        let tick = |so: bool, time: f64| if so { scene.clock.tick_at(time) } else { 0 };
+        let (capture_tick, settled_tick) = (tick(captured, flight.capture.time.lane(i)), tick(settled, settled_from));
+        let label = |so: bool, tick: u64| if_so(so, scene.clock.time_of(tick));
         // Nobody waits for a stack to settle where there is none, or where the flight ends at capture.
         let awaited = merged && plan.end != End::Captured;
         let final_stack = merged && diverged == NEVER;
@@ -218,11 +231,17 @@ impl<R: Real> Metrics<R> {
         let own = to_capture * scene.numbers.chaser.inverse_mass.lane(i);
         let delta_v = own + (impulse - to_capture) * flight.vehicle.inverse_mass.lane(i);
         Summary {
-            failure: self.failure(scene, i, diverged < NEVER, captured, settled || !awaited),
-            end_time,
-            capture_time: if_so(captured, capture),
-            settling_time: if_so(settled, settled_from - capture),
-            diverged_time: if_so(diverged < NEVER, diverged),
+            failure: match () {
+                () if no_gains => failure::NO_GAINS,
+                () => self.failure(scene, i, diverged < NEVER, captured, settled || !awaited),
+            },
+            end_time: label(true, number.lane(i) as u64),
+            capture_time: label(captured, capture_tick),
+            capture_tick: if_so(captured, capture_tick as f64),
+            settling_time: label(settled, settled_tick.saturating_sub(capture_tick)),
+            settled_tick: if_so(settled, settled_tick as f64),
+            diverged_time: label(diverged < NEVER, tick(diverged < NEVER, diverged)),
+            largest_rate: self.fastest_squared.lane(i).sqrt(),
             delta_v: delta_v.0,
             delta_v_to_capture: own.0.map(|x| if_so(captured, x)),
             impulse: impulse.0,
@@ -276,6 +295,8 @@ pub mod failure {
     pub const DIVERGED: u8 = 1;
     /// Captured, but the stack was not settled at the end.
     pub const NOT_SETTLED: u8 = 2;
+    /// The law has no gains for the body that it is to fly.
+    pub const NO_GAINS: u8 = 3;
     /// Never captured; plus 1, 2, 4, 8 if distance, angle, rate, speed was never below its threshold.
     pub const NEVER_CAPTURED: u8 = 16;
     /// All thresholds held at once, but not for the dwell time.
@@ -317,8 +338,11 @@ pub struct Summary {
     pub failure: u8,
     pub end_time: f64,
     pub capture_time: f64,
+    pub capture_tick: f64,
     pub settling_time: f64,
+    pub settled_tick: f64,
     pub diverged_time: f64,
+    pub largest_rate: f64,
     pub delta_v: [f64; 3],
     pub delta_v_to_capture: [f64; 3],
     pub impulse: [f64; 3],

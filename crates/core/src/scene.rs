@@ -3,10 +3,11 @@
 use crate::batch::Batch;
 use crate::batch_struct;
 use crate::case::{Case, FlightRecipe, Motion, Plan};
+use crate::clock::Clock;
 use crate::closed_loop::Flight;
 use crate::gnc::capture::{CaptureState, CaptureTest, SettledTest};
 use crate::gnc::guidance::{self, GraspPoints, Target};
-use crate::gnc::laws::{Law, LawRecipe, MassProperties, Phase, Setting};
+use crate::gnc::laws::{Law, LawRecipe, MassProperties, Phase, Segment, Setting};
 use crate::hardware::sensors::Noisy;
 use crate::number::{Mask, Quat, Real, Vec3};
 use crate::plant::attitude::Inertia;
@@ -14,6 +15,7 @@ use crate::plant::lvlh::Lvlh;
 use crate::plant::orbit::HeldStep;
 use crate::plant::propagate::{Shapes, Surroundings, Vehicle, Wrench, WrenchFrame};
 use crate::plant::top::{FreeTop, is_symmetric_top};
+use std::sync::Arc;
 
 batch_struct! {
     /// Every number of a flight that no event changes.
@@ -54,7 +56,7 @@ impl Numbers<f64> {
 /// A flight's law, built for both phases.
 #[derive(Clone, Debug)]
 pub struct Laws {
-    recipe: LawRecipe,
+    recipe: Arc<LawRecipe>,
     setting: Setting,
     before: Option<Law<f64>>,
     after: Option<Law<f64>>,
@@ -74,7 +76,7 @@ impl Laws {
         Self {
             before: recipe.build(Phase::BeforeCapture, &chaser, &setting),
             after: recipe.build(Phase::AfterCapture, &stack, &setting),
-            recipe: recipe.clone(),
+            recipe: Arc::new(recipe.clone()),
             setting,
         }
     }
@@ -113,8 +115,14 @@ impl Sortie {
             capture: CaptureState::open(),
             mount: Quat::identity(),
             stack_goal: case.goal.position,
+            no_gains: self.laws.before.as_ref().map_or(0.0, no_gains),
         }
     }
+}
+
+/// 1 for a law that cannot command.
+pub(crate) fn no_gains(law: &Law<f64>) -> f64 {
+    f64::from(u8::from(!law.has_finite_gains()))
 }
 
 /// What is the same for all flights of a campaign, whichever of them share a batch.
@@ -159,6 +167,8 @@ pub struct Scene<R: Real> {
     pub common: Common,
     /// Numbers, a lane each.
     pub numbers: Numbers<R>,
+    /// What the ticks' times are called.
+    pub clock: Clock,
     /// Integration step \[s\].
     pub(crate) step: f64,
     pub(crate) law_after: Option<Law<R>>,
@@ -172,6 +182,7 @@ impl<R: Real> Scene<R> {
             plan: *plan,
             common,
             numbers: Batch::same(&sortie.numbers),
+            clock: Clock::new(plan.control_period),
             step: plan.step(),
             law_after: Batch::<R>::same(&sortie.laws.after),
             laws: vec![sortie.laws.clone(); R::LANES],
@@ -212,24 +223,24 @@ impl<R: Real> Scene<R> {
         laws
     }
 
-    /// The wrench of the segment in force, if any. All lanes are at the same tick: open loop, no flight ends early.
+    /// The wrench of the segment in force, or of the record, if any. All lanes are at the same tick: open loop, no flight
+    /// ends early.
     pub(crate) fn open_loop(&self, tick: R) -> (Wrench<R>, WrenchFrame) {
-        let segments = self.laws[0].recipe.segments();
+        let recipe = &*self.laws[0].recipe;
         let number = tick.lane(0) as u32;
-        match segments.iter().find(|s| (s.first_tick..s.end_tick).contains(&number)) {
-            Some(segment) => {
-                let wrench =
-                    Wrench { force: Vec3::from_f64(segment.force.0), torque: Vec3::from_f64(segment.torque.0) };
-                let frame = if segment.body_frame {
-                    WrenchFrame::Body
-                } else if segment.torque == Vec3([0.0; 3]) {
-                    WrenchFrame::Command // a force held in H alone
-                } else {
-                    WrenchFrame::Lvlh
-                };
-                (wrench, frame)
+        let segment = recipe.segments().iter().find(|s| (s.first_tick..s.end_tick).contains(&number));
+        let frame = match segment {
+            Some(Segment { frame: WrenchFrame::Lvlh, torque: Vec3([0.0, 0.0, 0.0]), .. }) | None => {
+                WrenchFrame::Command // a force held in H alone
             }
-            None => (Wrench::zero(), WrenchFrame::Command),
-        }
+            Some(segment) => segment.frame,
+        };
+        let wrench = match recipe {
+            LawRecipe::Recorded { wrenches, .. } => wrenches
+                .get(number as usize)
+                .map(|&[fx, fy, fz, tx, ty, tz]| Wrench { force: Vec3([fx, fy, fz]), torque: Vec3([tx, ty, tz]) }),
+            _ => segment.map(|segment| Wrench { force: segment.force, torque: segment.torque }),
+        };
+        (Batch::<R>::same(&wrench.unwrap_or_else(Wrench::zero)), frame)
     }
 }

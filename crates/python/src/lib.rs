@@ -5,11 +5,13 @@ mod many;
 
 use detumble_campaign::{FlightRecord, fly_one};
 use detumble_core::case::{Case, FlightRecipe, Plan};
+use detumble_core::clock::Clock;
 use detumble_core::gnc::laws::{LawRecipe, lqr};
 use detumble_core::history::Merge;
+use detumble_core::metrics::Summary;
 use detumble_core::number::{Backend, Mat3, Vec3, fma_peak};
 use detumble_core::scene::{Common, Laws};
-use numpy::{PyArray1, PyArrayMethods};
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -24,6 +26,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fly, module)?)?;
     module.add_function(wrap_pyfunction!(many::fly_many, module)?)?;
     module.add_function(wrap_pyfunction!(draw::draw, module)?)?;
+    module.add_function(wrap_pyfunction!(tick_times, module)?)?;
     module.add_function(wrap_pyfunction!(backends, module)?)?;
     module.add_function(wrap_pyfunction!(fma_flops, module)?)?;
     module.add_function(wrap_pyfunction!(lqr_translation, module)?)?;
@@ -32,7 +35,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     Ok(())
 }
 
-/// One flight with its full history. `differing` are the paths of the numbers in which flights of its campaign differ.
+/// One flight with its full history. `differing` are the paths of the numbers in which flights of its campaign differ: such a
+/// flight may have drawn weights without gains, and then ends where they would command.
 #[pyfunction]
 #[pyo3(signature = (case, seed=0, index=0, backend=None, differing=None))]
 fn fly<'py>(
@@ -45,7 +49,9 @@ fn fly<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let recipe = recipe(case)?;
     let common = Common::new(&recipe.case, &recipe.plan, differing.iter().flatten().map(String::as_str));
-    sound_laws(&recipe.law, &recipe.case, &recipe.plan)?;
+    if differing.is_none() {
+        sound_laws(&recipe.law, &recipe.case, &recipe.plan)?;
+    }
     let backend = named_backend(backend, Backend::best_for_one())?;
     let stop = AtomicBool::new(false);
     let FlightRecord { series, merge, summary } =
@@ -66,26 +72,33 @@ fn fly<'py>(
     result.set_item("history", history)?;
     result.set_item("summary", pythonize(py, &summary)?)?;
     match merge {
-        Some(merge) => result.set_item("merge", merge_dict(py, &merge, summary.capture_time, &recipe.plan)?)?,
+        Some(merge) => result.set_item("merge", merge_dict(py, &merge, &summary)?)?,
         None => result.set_item("merge", py.None())?,
     }
     Ok(result)
 }
 
-fn merge_dict<'py>(py: Python<'py>, merge: &Merge, time: f64, plan: &Plan) -> PyResult<Bound<'py, PyDict>> {
+fn merge_dict<'py>(py: Python<'py>, merge: &Merge, summary: &Summary) -> PyResult<Bound<'py, PyDict>> {
     let after = PyDict::new(py);
     after.set_item("position", merge.after.position.0)?;
     after.set_item("velocity", merge.after.velocity.0)?;
     after.set_item("attitude", merge.after.chaser_attitude.0)?;
     after.set_item("rate", merge.after.chaser_rate.0)?;
     let dict = PyDict::new(py);
-    dict.set_item("tick", (time / plan.control_period).round() as u64)?;
-    dict.set_item("time", time)?;
+    dict.set_item("tick", summary.capture_tick as u64)?;
+    dict.set_item("time", summary.capture_time)?;
     dict.set_item("before", pythonize(py, &merge.before)?)?;
     dict.set_item("after", after)?;
     dict.set_item("stack_mass", merge.stack_mass)?;
     dict.set_item("stack_inertia", merge.stack_inertia.0)?;
     Ok(dict)
+}
+
+/// The times of control ticks \[s\], (n,), as histories and summaries have them.
+#[pyfunction]
+fn tick_times<'py>(py: Python<'py>, period: f64, ticks: PyReadonlyArray1<'py, u64>) -> Bound<'py, PyArray1<f64>> {
+    let clock = Clock::new(period);
+    PyArray1::from_iter(py, ticks.as_array().iter().map(|&tick| clock.time_of(tick)))
 }
 
 /// Back ends that this CPU has, narrowest first.

@@ -80,11 +80,14 @@ pub fn fly_many<'py>(
 
 /// What is kept of each flight; sums over the axes where there are axes.
 type Pick = fn(&Summary) -> f64;
-const COLUMNS: [(&str, Pick); 24] = [
+const COLUMNS: [(&str, Pick); 27] = [
     ("end_time", |s| s.end_time),
     ("capture_time", |s| s.capture_time),
+    ("capture_tick", |s| s.capture_tick),
     ("settling_time", |s| s.settling_time),
+    ("settled_tick", |s| s.settled_tick),
     ("diverged_time", |s| s.diverged_time),
+    ("largest_rate", |s| s.largest_rate),
     ("delta_v", |s| sum(&s.delta_v)),
     ("delta_v_to_capture", |s| sum(&s.delta_v_to_capture)),
     ("impulse", |s| sum(&s.impulse)),

@@ -166,7 +166,7 @@ def _folder(out: str | os.PathLike[str] | None) -> Iterator[Path]:
 
 def _fly(store: Store, crew: Crew, runs: int, until_ci: float | None, watcher: Watcher) -> tuple[Statistics, Effort]:
     """Fly what is missing; shards are counted and written in their order, so that a campaign is whole up to some run."""
-    statistics = Statistics(store.recipe.parsed.time.control_period)
+    statistics = Statistics.of(store.recipe.parsed)
     effort = Effort()
     began = time.perf_counter()
     watcher.begin(runs)

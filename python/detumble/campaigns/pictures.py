@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -79,7 +80,7 @@ def draw(result: CampaignResult, over: Sequence[str], target: float | None) -> l
             capture_times({law: statistics.ecdf("capture_time_s")}, settled, caption, folder / "capture-times.png"),
             failures(statistics.success, statistics.failures, caption, folder / "failures.png"),
             convergence(statistics.convergence(), caption, folder / "convergence.png", target),
-            _envelope(result, caption, folder / "envelope.png"),
+            *_envelope(result, caption, folder / "envelope.png"),
         ]
         if varying:
             outcomes = result.sensitivities()
@@ -141,16 +142,20 @@ def _label(name: str) -> str:
     return f"{name} [{unit}]" if unit else name
 
 
-def _envelope(result: CampaignResult, caption: Caption, path: Path) -> Path:
+def _envelope(result: CampaignResult, caption: Caption, path: Path) -> list[Path]:
+    """Draw runs flown again, without those that cannot be, or that have no finite row; nothing where none is left."""
     scenario = result.recipe.parsed
     ticks = round(scenario.time.duration / scenario.time.control_period) + 1
     count = min(result.statistics.runs, max(10, min(REFLOWN, TICKS // ticks)))
     time, seen = np.empty(0), np.full((len(SEEN), count, ticks), np.nan)
     for index in range(count):
-        own, *series = _seen(result, index)
-        time = max(time, own, key=len)
-        for values, one in zip(seen, series, strict=True):
-            values[index, : len(one)] = one
+        with suppress(RequestError):  # one run that cannot be flown again stops no picture
+            own, *series = _seen(result, index)
+            time = max(time, own, key=len)
+            for values, one in zip(seen, series, strict=True):
+                values[index, : len(one)] = one
+    if not len(time):
+        return []
     distance, angle, rate = seen[:, :, : len(time)]
     capture, settled = scenario.capture, scenario.settled
     traces = [
@@ -162,7 +167,7 @@ def _envelope(result: CampaignResult, caption: Caption, path: Path) -> Path:
         ),
         Trace("rate error [rad/s]", rate, {"capture": capture.rate, "settled": settled.rate}),
     ]
-    return envelope(time, traces, caption, path)
+    return [envelope(time, traces, caption, path)]
 
 
 def _seen(result: CampaignResult, index: int) -> list[Array]:

@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Any
 from detumble.campaigns.statistics import Statistics
 from detumble.campaigns.store import Store
 from detumble.errors import RequestError
+from detumble.flight import INSIDE
+from detumble.scenario.accuracy import coarse_step
+from detumble.scenario.hints import warnings
 
 if TYPE_CHECKING:
     import os
@@ -66,7 +69,7 @@ def read_campaign(folder: str | os.PathLike[str]) -> CampaignResult:
         RequestError: there is no campaign, or none of its runs can be read.
     """
     store = Store.open(folder)
-    statistics = Statistics(store.recipe.parsed.time.control_period)
+    statistics = Statistics.of(store.recipe.parsed)
     for number in range(store.recipe.shards(store.runs)):
         rows = store.find(number, 1, lambda _: None, all_rows=True)
         if rows is None:
@@ -102,6 +105,19 @@ class CampaignResult:
     def recipe(self) -> Recipe:
         """What was flown."""
         return self.store.recipe
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a reader of the numbers ought to know, in sentences."""
+        statistics, found = self.statistics, []
+        runs, at_once, fast = statistics.runs, statistics.captured_at_once, statistics.fast_turns
+        if at_once and self.recipe.law != "none":
+            found.append(f"{INSIDE}, in {at_once} of {runs} runs" if at_once < runs else f"{INSIDE}, in every run")
+        if fast:
+            rate = statistics.summary("largest_rate_rad_s").largest or 0.0
+            duration = self.recipe.parsed.time.duration
+            found.append(f"in {fast} of {runs} runs {coarse_step(statistics.inertia, rate, statistics.step, duration)}")
+        return (*found, *warnings(self.recipe.parsed, self.recipe.law))
 
     @cached_property
     def runs(self) -> Runs:
@@ -158,4 +174,5 @@ class CampaignResult:
         """Give everything in one object, as `detumble campaign --json` prints it."""
         scenario = self.recipe.parsed
         named = {"scenario": scenario.title, "law": self.recipe.law, "seed": self.recipe.seed}
-        return {**named, **self.statistics.to_json(), **self.effort.to_json(), "folder": str(self.folder)}
+        told = {"warnings": list(self.warnings), "folder": str(self.folder)}
+        return {**named, **self.statistics.to_json(), **self.effort.to_json(), **told}

@@ -9,6 +9,7 @@ from detumble.metrics import METRICS
 SUCCESS = 0
 DIVERGED = 1
 NOT_SETTLED = 2
+NO_GAINS = 3
 NEVER_CAPTURED = 16
 """Plus one bit for each threshold that never held: see `THRESHOLDS`. None: each held at some time, never all at once."""
 DWELL_MISSED = 32
@@ -32,6 +33,8 @@ def cause(code: int) -> str | None:
             return "diverged"
         case 2:
             return "captured, not settled"
+        case 3:
+            return "no gains: the Riccati equation has no solution"
         case 16:
             return "never captured: not all at once"
         case 32:
@@ -40,7 +43,7 @@ def cause(code: int) -> str | None:
             return "never captured: " + " + ".join(name for name, bit in THRESHOLDS.items() if code & bit)
 
 
-CODES = (DIVERGED, NOT_SETTLED, DWELL_MISSED, *range(NEVER_CAPTURED, NEVER_CAPTURED + 16))
+CODES = (DIVERGED, NO_GAINS, NOT_SETTLED, DWELL_MISSED, *range(NEVER_CAPTURED, NEVER_CAPTURED + 16))
 CAUSES = tuple(str(cause(code)) for code in CODES)
 """Everything that a failed run can be put down to."""
 

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from detumble.compiled import tick_times
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -57,7 +59,7 @@ class Histogram(ABC):
         if not np.all(values >= 0.0):
             raise ValueError("a histogram counts numbers from 0 on")
         values = values + 0.0  # takes the sign from -0.0, which would be another number to the bit
-        self._count(values)
+        values = self._counted(values)
         self.count += values.size
         self.smallest = min(self.smallest, float(values.min()))
         self.largest = max(self.largest, float(values.max()))
@@ -78,7 +80,8 @@ class Histogram(ABC):
         """
 
     @abstractmethod
-    def _count(self, values: Array) -> None: ...
+    def _counted(self, values: Array) -> Array:
+        """Count values; gives them as they are told, (n,)."""
 
     @abstractmethod
     def _take(self, other: Histogram) -> None: ...
@@ -96,13 +99,14 @@ class TickHistogram(Histogram):
         self.period = period
         self._counts: Counts = np.zeros(0, np.int64)
 
-    def _count(self, values: Array) -> None:
+    def _counted(self, values: Array) -> Array:
         periods = values / self.period
         ticks = np.rint(periods)
         # differences of times carry round-off; anything more is not a time of this loop
         if not np.all(np.isfinite(periods)) or np.any(np.abs(periods - ticks) > 1e-3):
             raise ValueError(f"times are whole control periods of {self.period} s")
         self._fold(np.bincount(ticks.astype(np.int64)))
+        return tick_times(self.period, ticks)
 
     def _take(self, other: Histogram) -> None:
         if not isinstance(other, TickHistogram) or other.period != self.period:
@@ -118,7 +122,7 @@ class TickHistogram(Histogram):
     def table(self) -> tuple[Array, Counts]:
         """List the times met, exactly, and their counts."""
         ticks = np.flatnonzero(self._counts)
-        return np.asarray(ticks * self.period, np.float64), self._counts[ticks]
+        return tick_times(self.period, ticks), self._counts[ticks]
 
 
 class LogHistogram(Histogram):
@@ -132,11 +136,12 @@ class LogHistogram(Histogram):
         super().__init__()
         self._octaves: dict[int, Counts] = {}
 
-    def _count(self, values: Array) -> None:
+    def _counted(self, values: Array) -> Array:
         keys = values.view(np.int64) >> _SHIFT
         octaves = keys >> BITS
         for octave in np.unique(octaves):
             self._fold(int(octave), np.bincount(keys[octaves == octave] & (_BINS - 1), minlength=_BINS))
+        return values
 
     def _take(self, other: Histogram) -> None:
         if not isinstance(other, LogHistogram):

@@ -13,18 +13,23 @@ import polars as pl
 
 from detumble.campaigns.convergence import Convergence, Prefixes
 from detumble.campaigns.intervals import Proportion
-from detumble.campaigns.rows import CAUSES, SCALARS
+from detumble.campaigns.rows import CAUSES, DIVERGED, NO_GAINS, SCALARS, cause
 from detumble.campaigns.sketch import Histogram, LogHistogram, TickHistogram
 from detumble.campaigns.summaries import Ecdf, Summary
 from detumble.checking import choice
+from detumble.scenario.accuracy import inaccurate
+from detumble.scenario.step import integration_step, worst_body
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from detumble.campaigns.intervals import Array
+    from detumble.scenario.model import Scenario
 
 TIMES = ("capture_time_s", "settling_time_s", "settled_time_s")
 """Counted exactly. `settled_time_s` is the sum of the first two: from the start of the flight to the stack at rest."""
-EXTENTS = tuple(metric.key for metric in SCALARS if metric.unit != "s")
-"""All that is not a time, counted to a relative accuracy of 1e-4."""
+EXTENTS = tuple(metric.key for metric in SCALARS if metric.unit != "s" and not metric.whole)
+"""All that is neither a time nor a tick, counted to a relative accuracy of 1e-4."""
 SATURATED = ("force_saturated_share", "torque_saturated_share")
 
 
@@ -34,22 +39,42 @@ class Statistics:
     Args:
         control_period: s: times are whole multiples of it.
         confidence: of all intervals.
+        step: s, of integration; None for the control period.
+        inertia: kg m², of the most asymmetric body; by default a sphere.
 
     Attributes:
         confidence: as given.
+        step: as given.
+        inertia: as given.
         runs: counted so far.
         saturated_failures: failed runs whose force or torque command was over its limit for more than half of the time.
+        fast_turns: runs in which a body turned too far in an integration step: see `scenario.accuracy.inaccurate`.
     """
 
-    def __init__(self, control_period: float, confidence: float = 0.95) -> None:
+    def __init__(
+        self,
+        control_period: float,
+        confidence: float = 0.95,
+        *,
+        step: float | None = None,
+        inertia: Sequence[float] = (1.0, 1.0, 1.0),
+    ) -> None:
         self.confidence = confidence
+        self.step = control_period if step is None else step
+        self.inertia = inertia
         self.runs = 0
         self.saturated_failures = 0
+        self.fast_turns = 0
         self._successes = 0
         self._causes: Counter[str] = Counter()
         self._histograms: dict[str, Histogram] = {name: TickHistogram(control_period) for name in TIMES}
         self._histograms |= {name: LogHistogram() for name in EXTENTS}
         self._prefixes = Prefixes(confidence)
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Statistics:
+        """Begin the statistics of a scenario's campaign."""
+        return cls(scenario.time.control_period, step=integration_step(scenario), inertia=worst_body(scenario)[0])
 
     def add(self, shard: pl.DataFrame) -> None:
         """Count the runs of one shard.
@@ -76,6 +101,8 @@ class Statistics:
             histogram.add(_existing(rows[name]))
         saturated = np.any([shard[name].fill_null(0.0).to_numpy() > 0.5 for name in SATURATED], axis=0)
         self.saturated_failures += int(np.count_nonzero(saturated & ~success))
+        rate, end = (shard[name].fill_null(0.0).to_numpy() for name in ("largest_rate_rad_s", "end_time_s"))
+        self.fast_turns += int(np.count_nonzero(inaccurate(self.inertia, rate, self.step, end)))
         self._causes += causes
         self._successes += successes
         self.runs += runs
@@ -84,17 +111,18 @@ class Statistics:
         """Count the runs of other shards of the same campaign, which were counted elsewhere.
 
         Args:
-            other: of the same control period and confidence.
+            other: of the same control period, step and confidence.
 
         Raises:
             ValueError: a shard is in both, or the two are not of one kind.
         """
-        if other.confidence != self.confidence:
-            raise ValueError("statistics of different confidence")
+        if (other.confidence, other.step) != (self.confidence, self.step):
+            raise ValueError("statistics of different confidence or step")
         self._prefixes.merge(other._prefixes)
         for name, histogram in self._histograms.items():
             histogram.merge(other._histograms[name])
         self.saturated_failures += other.saturated_failures
+        self.fast_turns += other.fast_turns
         self._causes += other._causes
         self._successes += other._successes
         self.runs += other.runs
@@ -108,6 +136,17 @@ class Statistics:
     def captured(self) -> Proportion:
         """Runs that captured, settled or not."""
         return Proportion.of(self._histograms["capture_time_s"].count, self.runs, self.confidence)
+
+    @property
+    def captured_at_once(self) -> int:
+        """Runs whose start was within every threshold: captured at t = 0."""
+        times, counts = self._histograms["capture_time_s"].table()
+        return int(counts[times == 0.0].sum())
+
+    @property
+    def broken_off(self) -> int:
+        """Runs that could not be flown to their end: diverged, or without gains."""
+        return sum(self._causes[str(cause(code))] for code in (DIVERGED, NO_GAINS))
 
     @property
     def failures(self) -> dict[str, Proportion]:

@@ -106,8 +106,13 @@ def campaign(
         remark(
             f"the interval is still {half_width:.3g} to either side, not {until_ci:g}: --resume with more --runs goes on"
         )
+    for warning in result.warnings:
+        if warning not in chosen.warnings:  # those were said before
+            remark(f"warning: {warning}")
     for file in drawn:
         remark(f"written: {file}")
+    if result.statistics.broken_off == result.statistics.runs:
+        raise typer.Exit(1)
 
 
 def _runs(asked: int | None, until_ci: float | None, resumed: Path | None) -> int:

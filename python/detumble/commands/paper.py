@@ -46,7 +46,7 @@ def paper(
             remark(f"warning: {law}: {warning}")
     if files:
         remark(f"written: {len(files)} files in {out}")
-    if any(flight.diverged for flight in flights.values()):
+    if any(flight.broken_off for flight in flights.values()):
         raise typer.Exit(1)
 
 

@@ -32,6 +32,12 @@ def run(
     replay: Annotated[
         str | None, typer.Option(metavar="DIR:INDEX", help="Fly a run of a campaign again, instead of a scenario.")
     ] = None,
+    replay_wrench: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FLIGHT.nc", help="Fly the commands that a flight recorded again, without sensors and law."
+        ),
+    ] = None,
     settings: Annotated[
         list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
     ] = None,
@@ -42,18 +48,23 @@ def run(
     backend: Annotated[str | None, typer.Option(help="portable, avx2 or avx512; else the core chooses.")] = None,
 ) -> None:
     """Fly one scenario once and say what came of it."""
+    from detumble import recorded
     from detumble.flight import simulate
     from detumble.results import results_folder
 
     changes = [*(settings or ()), *(more or ())]
-    if (scenario is None) == (replay is None):
-        raise RequestError("run: needs either a scenario or --replay DIR:INDEX")
-    with results_folder(out, FILES, scenario or ""):
+    if sum(given is not None for given in (scenario, replay, replay_wrench)) != 1:
+        raise RequestError("run: needs one of a scenario, --replay DIR:INDEX and --replay-wrench FLIGHT.nc")
+    with results_folder(out, FILES, scenario or replay_wrench or ""):
         if scenario is None:
-            assert replay is not None
             if changes or index or law is not None or seed is not None:
-                raise RequestError("--replay: flies a run as it was; neither law nor seed nor field can be set")
-            flight = _again(replay, backend)
+                option = "--replay: flies a run" if replay_wrench is None else "--replay-wrench: flies a flight"
+                raise RequestError(f"{option} as it was; neither law nor seed nor field can be set")
+            flight = (
+                _again(replay or "", backend)
+                if replay_wrench is None
+                else recorded.replay_wrench(replay_wrench, backend=backend)
+            )
         else:
             chosen = scenario_of(scenario, changes, quiet=True)
             flight = simulate(chosen, law, 0 if seed is None else seed, index=index, backend=backend)
@@ -68,7 +79,7 @@ def run(
         remark(f"warning: {warning}")
     for file in files:
         remark(f"written: {file}")
-    if flight.diverged:
+    if flight.broken_off:
         raise typer.Exit(1)
 
 
@@ -108,7 +119,8 @@ def _text(flight: Flight) -> str:
         value = getattr(flight.metrics, metric.name)
         if value is None and metric.name not in ALWAYS_SHOWN:
             continue
-        shown = "  ".join(cell(element, 4) for element in value) if isinstance(value, tuple) else cell(value, 4)
+        numbers = value if isinstance(value, tuple) else (value,)
+        shown = "  ".join(str(number) if metric.whole and number is not None else cell(number, 4) for number in numbers)
         rows.append((metric.label, shown, metric.unit))
     run = f", run {flight.index}" if flight.index else ""
     width = max(len(row[1]) for row in rows)

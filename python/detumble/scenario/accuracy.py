@@ -93,6 +93,21 @@ def steps(length: float, sound: Callable[[float], bool]) -> int:
     return 1 + bisect_left(range(1, MOST_STEPS), True, key=lambda count: sound(length / count))
 
 
+def inaccurate(inertia: Sequence[Any], rate: Any, step: float, time: Any) -> Any:
+    """Tell whether a body turns so fast that its attitude may be off by more than flights make without a warning.
+
+    Args:
+        inertia: principal moments (3,), or the tensor (3, 3), kg m².
+        rate: largest norm of the angular rate, rad/s, of one flight or of several (n,).
+        step: integration step, s.
+        time: flown, s, likewise.
+
+    Returns:
+        One truth value, or (n,).
+    """
+    return (rate * step > MOST_TURN) | (attitude_error(inertia, rate, step, time) > MOST_ERROR)
+
+
 def coarse_step(inertia: Sequence[Any], rate: float, step: float, time: float) -> str:
     """Say that an integration step is too long for the rotation to be accurate, and which step would do.
 
@@ -107,7 +122,7 @@ def coarse_step(inertia: Sequence[Any], rate: float, step: float, time: float) -
     """
 
     def sound(step: float) -> bool:
-        return rate * step <= MOST_TURN and attitude_error(inertia, rate, step, time) <= MOST_ERROR
+        return not inaccurate(inertia, rate, step, time)
 
     if sound(step) or not math.isfinite(rate):
         return ""

@@ -136,7 +136,7 @@ def _open_loop(scenario: Scenario) -> Tree:
         {
             "first_tick": min(round(segment.start / period), after),
             "end_tick": min(round(segment.end / period), after),
-            "body_frame": segment.frame == "body",
+            "frame": segment.frame,
             "force": list(segment.force),
             "torque": list(segment.torque),
         }
@@ -174,11 +174,17 @@ def _gains(law: Law[Any, Any], channel: str) -> Tree:
 
 def _plan(scenario: Scenario, law: str, until_the_end: bool) -> Tree:
     time, capture, laws = scenario.time, scenario.capture, scenario.laws
+    periods = round(time.duration / time.control_period)
+
+    def counted(wait: float) -> int:
+        """Count the ticks of a wait; one longer than the flight never ends, however long it is."""
+        return ticks(min(wait, (periods + 1) * time.control_period), time.control_period)
+
     return {
         "control_period": time.control_period,
         "steps_per_period": steps_per_period(scenario),
-        "periods": round(time.duration / time.control_period),
-        "dwell_ticks": ticks(capture.dwell, time.control_period),
+        "periods": periods,
+        "dwell_ticks": counted(capture.dwell),
         "grasp": scenario.has_grasp_points,
         "feedforward": scenario.goal.acceleration_feedforward,
         "goal_after_given": scenario.goal.position_after_capture is not None,
@@ -190,5 +196,5 @@ def _plan(scenario: Scenario, law: str, until_the_end: bool) -> Tree:
         "two_epsilon": laws.attitude_error == "two_epsilon",
         "exact_surface_rate": laws.surface_rate == "exact",
         "end": "duration" if until_the_end or law == "none" else scenario.campaign.end,
-        "hold_ticks": ticks(scenario.campaign.hold, time.control_period),
+        "hold_ticks": counted(scenario.campaign.hold),
     }

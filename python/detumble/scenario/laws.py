@@ -324,8 +324,10 @@ class Segment(Section):
 
     start: Annotated[float, Quantity("s", "begin, whole control periods", least=0.0)]
     end: Annotated[float, Quantity("s", "end, whole control periods", above=0.0)]
-    frame: Literal["lvlh", "body"] = Field(
-        "lvlh", description="axes in which both vectors are given and held; body axes turn with the chaser"
+    frame: Literal["lvlh", "body", "command"] = Field(
+        "lvlh",
+        description="axes in which both vectors are given and held; body axes turn with the chaser; command is the force in "
+        "lvlh, the torque in body axes, as laws command",
     )
     force: Annotated[Vector, Quantity("N", "force on the chaser", shape="vector")] = (0.0, 0.0, 0.0)
     torque: Annotated[Vector, Quantity("N m", "torque on the chaser", shape="vector")] = (0.0, 0.0, 0.0)

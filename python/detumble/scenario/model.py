@@ -28,7 +28,7 @@ _IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 def whole(count: float) -> bool:
     """Tell whether a ratio of two times is a whole number, to rounding (relative 1e-9)."""
-    return abs(count - round(count)) <= 1e-9 * max(1.0, abs(count))
+    return math.isfinite(count) and abs(count - round(count)) <= 1e-9 * max(1.0, abs(count))
 
 
 def _duration_fault(duration: float, period: float) -> str | None:

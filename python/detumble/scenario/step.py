@@ -78,12 +78,12 @@ def worst_body(scenario: Scenario) -> tuple[Sequence[float], float]:
     bodies = [chaser]
     if scenario.capture.merge and scenario.capture.transition == "momentum_conserving":
         bodies.append(ANY_BODY)
-    if scenario.capture.merge or "debris.inertia" in laws or not _is_flown_exactly(scenario):
+    if scenario.capture.merge or "debris.inertia" in laws or not flown_exactly(scenario):
         bodies.append(debris)
     return most_asymmetric(*bodies), rate
 
 
-def _is_flown_exactly(scenario: Scenario) -> bool:
+def flown_exactly(scenario: Scenario) -> bool:
     """Tell whether the debris is a symmetric top about its z axis, which the core flies in closed form."""
     full = tensor(scenario.debris.inertia)
     return full[0][0] == full[1][1] and not any(full[i][j] for i, j in ((0, 1), (0, 2), (1, 2)))

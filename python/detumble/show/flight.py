@@ -156,9 +156,10 @@ def _threshold(axes: Axes, flight: Flight, until: float, after: float | None, en
 
 
 def _mark_events(axes: Axes, flight: Flight, end: float) -> None:
+    looks = {"captured": "-", "settled": (0, (5.0, 2.0))}
     for event in flight.events:
         if event.time <= end:
-            dashes = {"captured": "-", "settled": (0, (5.0, 2.0)), "diverged": (0, (1.0, 1.0))}[event.name]
+            dashes = looks.get(event.name, (0, (1.0, 1.0)))
             axes.axvline(event.time, color=look(flight.law).colour, linestyle=dashes, linewidth=1.0, alpha=0.8)
 
 
@@ -166,14 +167,16 @@ def _subtitle(flight: Flight, end: float) -> str:
     metrics, parts = flight.metrics, [f"{look(flight.law).label}, seed {flight.seed}"]
     if metrics.capture_time is not None:
         parts.append(f"captured at {metrics.capture_time:.1f} s (line)")
-    elif flight.law != "none" and not flight.diverged:
+    elif flight.law != "none" and not flight.broken_off:
         parts.append("not captured")
     if metrics.settling_time is not None:
         parts.append(f"settled {metrics.settling_time:.1f} s later (dashed)")
-    elif merged(flight) and not flight.diverged:
+    elif merged(flight) and not flight.broken_off:
         parts.append("not settled")
     if metrics.diverged_time is not None:
         parts.append(f"diverged at {metrics.diverged_time:.4g} s")
+    elif flight.broken_off:
+        parts.append(f"broken off at {flight.events[-1].time:.4g} s: no gains")
     if metrics.delta_v is not None and metrics.delta_v < 1e6:
         parts.append(f"Δv {metrics.delta_v:.3f} m/s")
     if end < flown(flight):

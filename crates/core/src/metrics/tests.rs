@@ -5,6 +5,7 @@ use crate::case::*;
 use crate::closed_loop::fly_alone;
 use crate::gnc::laws::{Form, Gains, LawRecipe, PhaseGains, Segment, pd};
 use crate::number::{Mat3, Quat, Stream};
+use crate::plant::propagate::WrenchFrame;
 use crate::scene::{Common, Sortie};
 use crate::tests::assert_near;
 
@@ -72,7 +73,7 @@ fn scripted() -> LawRecipe {
     let segment = |first_tick, end_tick, force, torque| Segment {
         first_tick,
         end_tick,
-        body_frame: false,
+        frame: WrenchFrame::Lvlh,
         force: Vec3(force),
         torque: Vec3(torque),
     };
@@ -123,7 +124,7 @@ fn last_tick_is_commanded_but_not_flown_and_so_not_counted() {
         segments: vec![Segment {
             first_tick: 9,
             end_tick: 11,
-            body_frame: false,
+            frame: WrenchFrame::Lvlh,
             force: Vec3([0.1, 0.0, 0.0]),
             torque: Vec3([0.0; 3]),
         }],

@@ -36,6 +36,7 @@ impl<R: Real> Wrench<R> {
 
 /// The axes in which a wrench is given, and in which it is held over the period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum WrenchFrame {
     /// Force in H, torque in body axes: what the laws command.
     Command,

@@ -153,7 +153,7 @@ def time_within(pursuit: Pursuit, within: float | None) -> float:
 def _capture(pursuit: Pursuit, start: Array, translation: Bracket, attitude: AttitudeBound) -> Rendezvous:
     # ticks tell where both halves can hold; each half by itself is bounded better at any time
     halves = max(translation.lower, attitude.lower)
-    on_tick = ticks(halves, pursuit.period) * pursuit.period if math.isfinite(halves) else math.inf
+    on_tick = pursuit.time_of(ticks(halves, pursuit.period)) if math.isfinite(halves) else math.inf
     lower = max(minimum_times(pursuit, start).capture, on_tick)
     soonest = max(lower, translation.upper, attitude.upper)
     if math.isinf(soonest):
@@ -167,7 +167,7 @@ def _capture(pursuit: Pursuit, start: Array, translation: Bracket, attitude: Att
         place, velocity = _goal(pursuit, start, slew, tick)
         transfer = reach_at_tick(pursuit, start, tick, place, velocity)
         if transfer is not None:
-            return Rendezvous(lower, tick * pursuit.period, transfer, slew)
+            return Rendezvous(lower, pursuit.time_of(tick), transfer, slew)
         tick += 1
     return Rendezvous(lower, math.inf, None, None)
 

@@ -91,7 +91,7 @@ class _Chase:
         while (tick := following(tick)) <= self.pursuit.periods:
             run = run + 1 if tick == last + 1 else 1
             if run > self.pursuit.dwell_ticks:
-                return tick * self.pursuit.period
+                return self.pursuit.time_of(tick)
             last, tick = tick, tick + 1
         return math.inf
 

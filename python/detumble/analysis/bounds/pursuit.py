@@ -12,6 +12,7 @@ import numpy as np
 from detumble.analysis.bounds.translation import Reach
 from detumble.analysis.bounds.tumble import Array
 from detumble.analysis.bounds.turn import Agility
+from detumble.compiled import tick_times
 
 
 def _given(actuators: Mapping[str, Any], what: str) -> Array:
@@ -79,6 +80,10 @@ class Pursuit:
             periods=int(plan["periods"]),
             dwell_ticks=int(plan["dwell_ticks"]),
         )
+
+    def time_of(self, tick: int) -> float:
+        """Give the time of a control tick, s, as flights report it."""
+        return float(tick_times(self.period, [tick])[0])
 
     @cached_property
     def reach(self) -> Reach:

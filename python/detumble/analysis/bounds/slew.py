@@ -78,8 +78,8 @@ def attitude_bound(pursuit: Pursuit, start: Array) -> AttitudeBound:
     """
     lower = earliest_attitude(pursuit, start)
     if not np.isfinite(pursuit.torque).any():
-        upper = max(0 if Turn(pursuit, start).met_at_once else 1, pursuit.dwell_ticks) * pursuit.period
-        return AttitudeBound(lower, upper if upper <= pursuit.period * pursuit.periods else math.inf, None)
+        tick = max(0 if Turn(pursuit, start).met_at_once else 1, pursuit.dwell_ticks)
+        return AttitudeBound(lower, pursuit.time_of(tick) if tick <= pursuit.periods else math.inf, None)
     if math.isinf(lower):
         return AttitudeBound(lower, math.inf, None)
     slew = _soonest(pursuit, start, lower)

@@ -23,7 +23,7 @@ use crate::case::Motion;
 use crate::gnc::error::TrackingError;
 use crate::number::{Mat3, Real, Vec3};
 use crate::plant::orbit::natural_acceleration;
-use crate::plant::propagate::Wrench;
+use crate::plant::propagate::{Wrench, WrenchFrame};
 pub use feedback::LinearFeedback;
 pub use sliding::SlidingMode;
 
@@ -256,8 +256,8 @@ pub struct Segment {
     pub first_tick: u32,
     /// First tick at which it acts no more.
     pub end_tick: u32,
-    /// Held in the chaser's axes; else in H.
-    pub body_frame: bool,
+    /// Axes in which it is given and held.
+    pub frame: WrenchFrame,
     /// \[N\]
     pub force: Vec3<f64>,
     /// \[N m\]
@@ -284,6 +284,13 @@ pub enum LawRecipe {
         /// In order of time, not overlapping.
         segments: Vec<Segment>,
     },
+    /// No law: what a flight before commanded.
+    Recorded {
+        /// Force \[N\] and torque \[N m\] tick by tick; after the last row, none.
+        wrenches: Vec<[f64; 6]>,
+        /// Which tell the axes, if they were commanded open loop.
+        segments: Vec<Segment>,
+    },
 }
 
 /// What a law's construction depends on besides its gains.
@@ -306,7 +313,7 @@ impl LawRecipe {
             LawRecipe::Sosmc(gains) => sosmc::channels(gains.of(phase), gains.form),
             LawRecipe::Tsmc(gains) => tsmc::channels(gains.of(phase), setting),
             LawRecipe::Prrl(gains) => prrl::channels(gains.of(phase), gains.form, setting),
-            LawRecipe::None { .. } => return None,
+            LawRecipe::None { .. } | LawRecipe::Recorded { .. } => return None,
         };
         Some(Law { translation, rotation, believed: *believed })
     }
@@ -319,14 +326,14 @@ impl LawRecipe {
             LawRecipe::Sosmc(gains) => gains.field(path),
             LawRecipe::Tsmc(gains) => gains.field(path),
             LawRecipe::Prrl(gains) => gains.field(path),
-            LawRecipe::None { .. } => None,
+            LawRecipe::None { .. } | LawRecipe::Recorded { .. } => None,
         }
     }
 
     /// The open-loop segments; empty for a law.
     pub fn segments(&self) -> &[Segment] {
         match self {
-            LawRecipe::None { segments } => segments,
+            LawRecipe::None { segments } | LawRecipe::Recorded { segments, .. } => segments,
             _ => &[],
         }
     }

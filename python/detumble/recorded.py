@@ -1,0 +1,42 @@
+"""The recorded commands of a flight, flown again tick by tick: same actuators, capture test and merge, no sensors, no law."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+
+from detumble.errors import RequestError
+from detumble.flight import Flight, flown, read_netcdf
+from detumble.scenario.core import case
+
+SENSORS = ("position", "velocity", "attitude", "rate")
+
+
+def replay_wrench(flight: Flight | str | os.PathLike[str], *, backend: str | None = None) -> Flight:
+    """Fly the commands that a flight recorded.
+
+    Args:
+        flight: a flight of any law, or none, or a file that `Flight.to_netcdf` wrote. Runs of a campaign may differ in the
+            last bits, as their arithmetic is chosen for the whole campaign.
+        backend: as in `simulate`; None takes the flight's own.
+
+    Returns:
+        The flight, with law, seed and index of the recorded one: to the bit the same if the scenario is.
+
+    Raises:
+        ScenarioError: the scenario cannot be flown.
+        RequestError: the file cannot be read or is no flight, it holds no tick, or there is no such back end.
+    """
+    flight = flight if isinstance(flight, Flight) else read_netcdf(flight)
+    ticks = len(flight.history["time"])
+    if not ticks:
+        raise RequestError("the flight holds no tick: there is no command to fly")
+    numbers = case(flight.scenario, flight.law)
+    wrenches = np.hstack((flight.history["force_command"], flight.history["torque_command"]))
+    segments = numbers["law"].get("segments", [])  # open loop has axes of its own
+    numbers["law"] = {"kind": "recorded", "wrenches": wrenches.tolist(), "segments": segments}
+    numbers["sensors"] = dict.fromkeys(SENSORS, 0.0)
+    # the last command of a flight that diverged was flown, that of any other was not
+    numbers["plan"]["periods"] = min(numbers["plan"]["periods"], ticks if flight.diverged else ticks - 1)
+    return flown(flight.scenario, flight.law, flight.seed, flight.index, backend or flight.backend, numbers)
