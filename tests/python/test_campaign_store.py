@@ -172,7 +172,8 @@ def test_a_manifest_that_cannot_be_used_says_why(store: Store) -> None:
         (changed(runs="many"), "broken: runs: input should be a valid integer"),
         (changed(runs=0), "broken: runs: input should be greater than or equal to 1"),
         (changed(recipe={}), "broken: recipe.scenario: field required"),
-        (changed(format=FORMAT + 1, recipe="?"), f"format {FORMAT + 1}; this detumble reads up to {FORMAT}: a newer"),
+        (changed(format=FORMAT + 1, recipe="?"), f"format {FORMAT + 1}; this detumble reads format {FORMAT}: a newer"),
+        (changed(format=FORMAT - 1, recipe="?"), f"format {FORMAT - 1}; this detumble reads format {FORMAT}: an older"),
         (changed(recipe=sound["recipe"] | {"seed": 4}), "its recipe is not the one that was flown"),
         (changed(identity="0" * 64), "its recipe is not the one that was flown"),
     ):

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 MANIFEST = "campaign.json"
-FORMAT = 1
+FORMAT = 2
 """Of the folder; raised when what older versions wrote can no longer be read in the same way, or they not read the new."""
 
 
@@ -63,8 +63,9 @@ def read_manifest(folder: Path) -> Manifest:
     except (ValueError, RecursionError) as error:
         raise RequestError(f"{path}: broken: {error}") from None
     found = raw.get("format") if isinstance(raw, dict) else None
-    if isinstance(found, int) and found > FORMAT:
-        raise RequestError(f"{path}: format {found}; this detumble reads up to {FORMAT}: a newer one wrote it")
+    if isinstance(found, int) and found != FORMAT:
+        age = "a newer" if found > FORMAT else "an older"
+        raise RequestError(f"{path}: format {found}; this detumble reads format {FORMAT}: {age} one wrote it")
     try:
         manifest = TypeAdapter(Manifest).validate_python(raw)
     except ValidationError as error:
