@@ -23,6 +23,8 @@ PLAIN = {"Δ": "d", "–": "-", "─": "-", "…": "...", "°": "deg", "²": "2"
 
 ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 """Ctrl-C, the end of a job or of the machine, the end of a terminal."""
+NUMBERS = ("TERMINAL_WIDTH", "SOURCE_DATE_EPOCH")
+"""Variables that the help and numpy take for whole numbers, and end in a traceback if they are none."""
 UNTOUCHED = (signal.default_int_handler, signal.SIG_DFL)
 """What is done on these where nobody has asked for anything else."""
 
@@ -34,6 +36,9 @@ def run() -> None:
         SystemExit: always, with the exit code.
     """
     drawing.alone = True
+    for name in NUMBERS:
+        if not os.environ.get(name, "0").isdecimal():
+            del os.environ[name]
     _open_closed_streams()
     _keep_readable()
     try:
@@ -79,10 +84,8 @@ def _open_closed_streams() -> None:
 
 
 def _keep_readable() -> None:
-    """Let no character and no width stop the output: what a stream's encoding lacks is written plainly."""
+    """Let no character stop the output: what a stream's encoding lacks is written plainly."""
     codecs.register_error("plain", _plainly)
-    if not os.environ.get("TERMINAL_WIDTH", "80").isdecimal():
-        del os.environ["TERMINAL_WIDTH"]  # which the help would stumble over
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="plain")

@@ -157,10 +157,11 @@ def test_a_configuration_of_dask_that_cannot_be_read_is_one_message(tmp_path: Pa
 
 
 def test_variables_that_make_no_sense_stop_nothing() -> None:
-    names = ("OMP_NUM_THREADS", "RAYON_NUM_THREADS", "COLUMNS", "LINES", "TERMINAL_WIDTH", "HDF5_USE_FILE_LOCKING")
+    names = ("OMP_NUM_THREADS", "RAYON_NUM_THREADS", "COLUMNS", "LINES", "TERMINAL_WIDTH", "SOURCE_DATE_EPOCH")
     senseless = dict.fromkeys(names, "abc") | {"TERM": "", "TMPDIR": "/nowhere", "PYTHONWARNINGS": "error"}
     assert command("--help", **senseless).returncode == 0
     assert command(*RUN[:-1], "--json", **senseless).returncode == 0
+    assert command("bound", "paper_dispersed", "--runs", "1", "--quick", **senseless).returncode == 0
 
 
 def test_a_campaign_without_any_temporary_folder_asks_for_one() -> None:
