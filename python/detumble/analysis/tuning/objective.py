@@ -15,7 +15,7 @@ mean over the runs of how badly they failed, which gives a search a slope to fol
     0.2     captured, not settled
     0.4     all thresholds held at once, but not for the dwell time
     0.5     each threshold held at some time, never all at once; 0.1 more for each of the four that never held
-    1       the state left the numbers
+    1       the state became non-finite, or the weights had no gains
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from detumble.campaigns.rows import DIVERGED, DWELL_MISSED, NEVER_CAPTURED, NOT_SETTLED
+from detumble.campaigns.rows import DIVERGED, DWELL_MISSED, NEVER_CAPTURED, NO_GAINS, NOT_SETTLED
 from detumble.checking import choice, real
 from detumble.errors import RequestError
 
@@ -46,7 +46,7 @@ MEANINGS: dict[What, str] = {
 }
 
 _GRADES = np.zeros(256)
-_GRADES[[NOT_SETTLED, DWELL_MISSED, DIVERGED]] = 0.2, 0.4, 1.0
+_GRADES[[NOT_SETTLED, DWELL_MISSED, DIVERGED, NO_GAINS]] = 0.2, 0.4, 1.0, 1.0
 _GRADES[NEVER_CAPTURED : NEVER_CAPTURED + 16] = [0.5 + 0.1 * bits.bit_count() for bits in range(16)]
 
 
