@@ -7,7 +7,7 @@ numbers that carry another unit do not.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from numbers import Integral, Real
 from typing import Any, TypeVar
 
@@ -103,8 +103,14 @@ def wholes(owner: object, **ranges: tuple[int, int]) -> None:
         object.__setattr__(owner, name, whole(name, getattr(owner, name), least, most))
 
 
-def choice(name: str, value: Any, choices: Iterable[str]) -> str:
+def choice(name: str, value: Any, choices: Iterable[str], more: Mapping[str, str] = {}) -> str:  # only read
     """Read one of several words.
+
+    Args:
+        name: of the argument.
+        value: what was given.
+        choices: that are allowed.
+        more: further ones, and what each is for.
 
     Raises:
         RequestError: it is none of them; a near one is suggested.
@@ -112,9 +118,10 @@ def choice(name: str, value: Any, choices: Iterable[str]) -> str:
     from detumble.scenario.wording import did_you_mean
 
     known = list(choices)
-    if not isinstance(value, str) or value not in known:
-        hint = did_you_mean(value, known) if isinstance(value, str) else ""
-        raise RequestError(f"{name} {met(value)}: must be one of {', '.join(known)}{hint}")
+    if not isinstance(value, str) or value not in (*known, *more):
+        hint = did_you_mean(value, (*known, *more)) if isinstance(value, str) else ""
+        said = ", ".join(known) + "".join(f", or {other} {use}" for other, use in more.items())
+        raise RequestError(f"{name} {met(value)}: must be one of {said}{hint}")
     return value
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from detumble.errors import RequestError
 from detumble.show import drawing
+from detumble.text import printable
 from detumble.writing import reason
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def run() -> None:
 def _leave(code: int, message: str = "") -> None:
     if message:
         with suppress(OSError):
-            print(message, file=sys.stderr)
+            print(printable(message), file=sys.stderr)
     sys.exit(code)
 
 

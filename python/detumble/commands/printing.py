@@ -8,6 +8,8 @@ import sys
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
+from detumble.text import printable
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
@@ -35,7 +37,7 @@ def _finite(value: Any) -> Any:
 def remark(text: str) -> None:
     """Tell a person something without touching standard output; where nobody can be told, nothing is lost."""
     with suppress(OSError):
-        print(text, file=sys.stderr)
+        print(printable(text), file=sys.stderr)
 
 
 def table(rows: Sequence[Sequence[str]], *, header: bool = True) -> str:

@@ -37,7 +37,7 @@ def case(scenario: Scenario, law: str, *, until_the_end: bool = True) -> Tree:
         RequestError: there is no such law.
         ScenarioError: the scenario contradicts itself, or has no gains for the law.
     """
-    choice("law", law, (*LAWS, "none"))
+    choice("law", law, LAWS, {"none": "for open loop"})
     scenario.check()
     chaser, debris = scenario.chaser, scenario.debris
     orbit: Tree = {"mean_motion": scenario.orbit.mean_motion, "lvlh_attitude": unit(scenario.orbit.lvlh_attitude)}
