@@ -54,6 +54,10 @@ def test_any_reader_of_parquet_finds_units_and_what_the_shard_is(store: Store) -
     assert units["chaser.position.x"] == "m"
     assert units["capture_time_s"] == "s"
     assert units["success"] == units["force_saturated_share"] == ""
+    meanings = json.loads(label["meanings"])
+    assert set(meanings) == set(units)
+    assert meanings["chaser.mass"] == "chaser.mass: mass"
+    assert meanings["capture_time_s"] == column("capture_time_s").meaning
     assert label["digest"] == digest(pl.read_parquet(content))
 
 
