@@ -63,13 +63,19 @@ def whole(name: str, value: Any, least: int, most: int) -> int:
     """
     number = plain(value)
     if isinstance(number, bool) or not isinstance(number, int) or not least <= number <= most:
-        upper = "2^64 - 1" if most == MOST_SEED else most
-        raise RequestError(f"{name} {met(value)}: must be a whole number from {least} to {upper}")
+        raise RequestError(f"{name} {met(value)}: must be a whole number from {least} to {most}")
     return number
 
 
 def real(
-    name: str, value: Any, *, above: float = -math.inf, least: float = -math.inf, most: float = math.inf, unit: str = ""
+    name: str,
+    value: Any,
+    *,
+    above: float = -math.inf,
+    least: float = -math.inf,
+    most: float = math.inf,
+    unit: str = "",
+    what: str = "",
 ) -> float:
     """Read a finite number.
 
@@ -80,6 +86,7 @@ def real(
         least: lower bound, allowed.
         most: upper bound, allowed.
         unit: for the message.
+        what: the number is, for the message.
 
     Raises:
         RequestError: it is none, or lies outside.
@@ -89,7 +96,12 @@ def real(
     if not fine or not (math.isfinite(number) and above < number and least <= number <= most):
         bounds = (("greater than", above), ("at least", least), ("at most", most))
         said = " and ".join(f"{words} {bound:.10g}" for words, bound in bounds if math.isfinite(bound))
-        raise RequestError(f"{name} {met(value)}{f' {unit}' if unit else ''}: must be a finite number {said}".rstrip())
+        kind = "" if fine and math.isfinite(number) else "a finite number "
+        subject = f"{what} " if what else ""
+        shown = f"{number:.10g}" if fine else met(value)
+        raise RequestError(
+            f"{name} {shown}{f' {unit}' if unit else ''}: {subject}must be {kind}{said}{f' {unit}' if said and unit else ''}".rstrip()
+        )
     return float(number)
 
 
@@ -120,8 +132,10 @@ def choice(name: str, value: Any, choices: Iterable[str], more: Mapping[str, str
     known = list(choices)
     if not isinstance(value, str) or value not in (*known, *more):
         hint = did_you_mean(value, (*known, *more)) if isinstance(value, str) else ""
-        said = ", ".join(known) + "".join(f", or {other} {use}" for other, use in more.items())
-        raise RequestError(f"{name} {met(value)}: must be one of {said}{hint}")
+        few = len(known) <= 3 and not more
+        said = " or ".join((", ".join(known[:-1]), known[-1])) if few else f"one of {', '.join(known)}"
+        said += "".join(f", or {other} {use}" for other, use in more.items())
+        raise RequestError(f"{name} {met(value)}: must be {said}{hint}")
     return value
 
 

@@ -176,7 +176,8 @@ def test_what_is_written_and_what_is_refused(cli, tmp_path):
     assert "capture" in done.stdout
     names = {file.name for file in folder.iterdir()}
     assert names == {
-        "bound.json", "scenario.toml", "translation.csv", "least_delta_v.csv", "attitude.csv", "bound.png"
+        "bound.json", "scenario.toml", "translation.csv", "least_delta_v.csv", "attitude.csv", "bound.png",
+        ".detumble.json",
     }  # fmt: skip
     rows = pl.read_csv(folder / "translation.csv")
     assert rows["time_s"][-1] == pytest.approx(

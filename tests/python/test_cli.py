@@ -86,6 +86,7 @@ def test_run_writes_flight_scenario_and_metrics(call: Call, tmp_path: Path) -> N
     result = strict_json(outcome.out)
     assert outcome.code == 0
     assert sorted(path.name for path in folder.iterdir()) == [
+        ".detumble.json",
         "flight.nc",
         "flight.png",
         "metrics.json",

@@ -72,7 +72,7 @@ def test_a_run_ends_where_it_would_be_commanded_and_its_replay_tells_the_same(
     assert flight.history["time"][-1] == time
     assert all(np.isfinite(values).all() for values in flight.history.values())
     assert not flight.history["torque"][-1].any()
-    assert flight.warnings == (f"broken off at {time:.10g} s: {CAUSE}",)
+    assert flight.warnings == (f"broken off at {time:.10g} s: {CAUSE}", *flight.scenario.warnings)
     row = lost.row(0, named=True)
     assert {key: row[key] for key in ("delta_v_m_s", "capture_rate_rad_s", "final_rate_rad_s")} == {
         key: flight.metrics.to_json()[key] for key in ("delta_v_m_s", "capture_rate_rad_s", "final_rate_rad_s")

@@ -11,7 +11,7 @@ from collections import deque
 from contextlib import closing, contextmanager
 from pathlib import Path
 from tempfile import mkdtemp
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import polars as pl
 
@@ -21,7 +21,7 @@ from detumble.campaigns.result import CampaignResult, Effort
 from detumble.campaigns.shard import frame_of
 from detumble.campaigns.statistics import Statistics
 from detumble.campaigns.store import Store
-from detumble.checking import MOST_SEED, real, whole
+from detumble.checking import MOST_SEED, met, plain, whole
 from detumble.compiled import checked_backend
 from detumble.errors import RequestError
 from detumble.scenario.core import case
@@ -120,7 +120,7 @@ def campaign(
     )
     threads = None if threads is None else whole("threads", threads, 1, 4096)
     local_cluster = None if local_cluster is None else whole("local_cluster", local_cluster, 1, 4096)
-    until_ci = None if until_ci is None else real("until_ci", until_ci, above=0.0, most=0.5)
+    until_ci = None if until_ci is None else _half_width(until_ci)
     if sum(given is not None for given in (threads, local_cluster, scheduler)) > 1:
         raise RequestError("threads, scheduler and local_cluster: at most one of them says who flies")
     case(scenario, law)
@@ -135,6 +135,13 @@ def campaign(
         if out is None:
             atexit.register(shutil.rmtree, folder, ignore_errors=True)
         return CampaignResult(Store.open(folder), statistics, effort)
+
+
+def _half_width(value: Any) -> float:
+    number = plain(value)
+    if isinstance(number, bool) or not isinstance(number, int | float) or not 0.0 < number < 0.5:
+        raise RequestError(f"until_ci {met(value)}: must lie between 0 and 0.5, a half width of a probability")
+    return float(number)
 
 
 def _crew(threads: int | None, scheduler: str | None, local_cluster: int | None, backend: str | None) -> Crew:

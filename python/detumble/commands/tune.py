@@ -137,7 +137,7 @@ def _single(
     from detumble.commands.progress import SearchProgress
 
     objective = Objective(**what)
-    runs = whole("--held-out", runs, 0, 10**9)
+    runs = whole("held_out", runs, 0, 10**9)
     with SearchProgress(out, objective.unit) as progress:
         tuned = search(scenario, law, objective=objective, watcher=progress, **how)
     other = (tuned.seed + 1) % 2**64

@@ -89,7 +89,7 @@ class Objective:
         choice("objective", self.what, MEANINGS)
         if self.percentile is not None:
             object.__setattr__(self, "percentile", real("percentile", self.percentile, above=0.0, most=100.0))
-        object.__setattr__(self, "required", real("required", self.required, least=0.0, most=1.0))
+        object.__setattr__(self, "required", real("required", self.required, least=0.0, most=1.0, what="a share"))
         if self.until is not None:
             choice("until", self.until, ("settled", "captured", "duration"))
 
