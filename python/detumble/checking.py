@@ -98,10 +98,10 @@ def real(
         said = " and ".join(f"{words} {bound:.10g}" for words, bound in bounds if math.isfinite(bound))
         kind = "" if fine and math.isfinite(number) else "a finite number "
         subject = f"{what} " if what else ""
+        suffix = f" {unit}" if unit else ""
         shown = f"{number:.10g}" if fine else met(value)
-        raise RequestError(
-            f"{name} {shown}{f' {unit}' if unit else ''}: {subject}must be {kind}{said}{f' {unit}' if said and unit else ''}".rstrip()
-        )
+        limits = f"{said}{suffix}" if said else ""
+        raise RequestError(f"{name} {shown}{suffix}: {subject}must be {kind}{limits}".rstrip())
     return float(number)
 
 

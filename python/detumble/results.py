@@ -1,6 +1,6 @@
 """Folders of results, in which nothing is replaced but what was written there before and has not been changed since.
 
-A hidden file keeps a hash of every file that was written. It is written ahead of the file itself, so that a process that is
+`written.json` keeps a hash of every file that was written. It is written ahead of the file itself, so that a process that is
 killed in between leaves nothing that the next one would not know.
 """
 
@@ -21,17 +21,17 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
 
-LEDGER = ".detumble.json"
-"""Name of the hidden file."""
+LEDGER = "written.json"
+"""Name of the file that keeps the hashes."""
 _MOST_BYTES = 2**24
-"""Of the hidden file."""
+"""Of that file."""
 
 
 @contextmanager
 def results_folder(folder: Path | None, files: Sequence[str], source: str | os.PathLike[str] = "") -> Iterator[None]:
     """Work in a folder of results: it is created, kept for this process, and its foreign files are not touched.
 
-    Every file that is written by `detumble.writing` meanwhile, in the folder or beneath, is entered in the hidden file.
+    Every file that is written by `detumble.writing` meanwhile, in the folder or beneath, is entered in `written.json`.
 
     Args:
         folder: of the results; None asks for none.
@@ -126,7 +126,7 @@ class _Ledger:
         """Enter a file that is about to be put in place.
 
         Raises:
-            RequestError: another file stands there, or the hidden file cannot be written.
+            RequestError: another file stands there, or `written.json` cannot be written.
         """
         if not path.resolve().is_relative_to(self.folder):
             return
@@ -135,7 +135,7 @@ class _Ledger:
         if old and old != [new] and not self.knows(path):
             raise RequestError(f"{self.folder}: {_FOREIGN.format(path.name)}")
         self._hashes[self._name(path)] = sorted({*old, new})
-        temporary = self.folder / f"{LEDGER}.{os.getpid()}"
+        temporary = self.folder / f".{LEDGER}.{os.getpid()}"
         try:
             temporary.write_text(json.dumps({"files": self._hashes}, indent=1) + "\n", encoding="utf-8")
             temporary.replace(self.folder / LEDGER)

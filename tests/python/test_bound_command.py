@@ -177,7 +177,7 @@ def test_what_is_written_and_what_is_refused(cli, tmp_path):
     names = {file.name for file in folder.iterdir()}
     assert names == {
         "bound.json", "scenario.toml", "translation.csv", "least_delta_v.csv", "attitude.csv", "bound.png",
-        ".detumble.json",
+        "written.json",
     }  # fmt: skip
     rows = pl.read_csv(folder / "translation.csv")
     assert rows["time_s"][-1] == pytest.approx(

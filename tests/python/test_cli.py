@@ -86,11 +86,11 @@ def test_run_writes_flight_scenario_and_metrics(call: Call, tmp_path: Path) -> N
     result = strict_json(outcome.out)
     assert outcome.code == 0
     assert sorted(path.name for path in folder.iterdir()) == [
-        ".detumble.json",
         "flight.nc",
         "flight.png",
         "metrics.json",
         "scenario.toml",
+        "written.json",
     ]
     stored = strict_json((folder / "metrics.json").read_text(encoding="utf-8"))
     assert stored["capture_time_s"] == result["capture_time_s"]

@@ -30,7 +30,7 @@ def test_a_search_is_told_and_written(tmp_path: Path) -> None:
     ):
         assert text in printed
     names = {file.name for file in tmp_path.iterdir()}
-    assert names == {"scenario.toml", "tuning.json", "record.jsonl", "convergence.png", ".lock", ".detumble.json"}
+    assert names == {"scenario.toml", "tuning.json", "record.jsonl", "convergence.png", ".lock", "written.json"}
     numbers = json.loads((tmp_path / "tuning.json").read_text())
     scenario = detumble.load(tmp_path / "scenario.toml")
     assert scenario.laws.tsmc.translation.slope == numbers["tuned"]["gains"]["translation.slope"]
