@@ -142,7 +142,7 @@ def named_file(name: str | os.PathLike[str]) -> Path:
 
 
 def named_folder(name: str | os.PathLike[str], argument: str) -> Path:
-    """Give the folder that an argument names, as an absolute path: the current folder may change later.
+    """Give the folder that an argument names.
 
     Args:
         name: of the folder.
@@ -157,10 +157,7 @@ def named_folder(name: str | os.PathLike[str], argument: str) -> Path:
         raise RequestError(f"{argument} {name!r}: must be the path of a folder") from None
     if not isinstance(text, str) or not text.strip() or "\0" in text:
         raise RequestError(f'{argument} {text!r}: names no folder; the current one is "."')
-    try:
-        return Path(text).absolute()
-    except OSError as error:
-        raise RequestError(f"{argument} {text}: cannot be used: the current folder is gone ({reason(error)})") from None
+    return Path(text)
 
 
 @contextmanager

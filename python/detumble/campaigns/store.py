@@ -81,7 +81,7 @@ class Store:
             except BaseException:
                 lock.close()
                 raise
-        return cls(folder, manifest, lock)
+        return cls(_absolute(folder), manifest, lock)
 
     @classmethod
     def open(cls, folder: str | os.PathLike[str]) -> Store:
@@ -91,7 +91,7 @@ class Store:
             RequestError: there is none, or its manifest cannot be used.
         """
         named = named_folder(folder, "folder")
-        return cls(named, read_manifest(named))
+        return cls(_absolute(named), read_manifest(named))
 
     @property
     def recipe(self) -> Recipe:
@@ -207,6 +207,18 @@ class Store:
         except OSError as error:
             raise Damage(f"cannot be read: {reason(error)}") from None
         return decode(raw, self.manifest.identity, number, number * self.recipe.shard)
+
+
+def _absolute(folder: Path) -> Path:
+    """Give a path that holds when the current folder changes.
+
+    Raises:
+        RequestError: the current folder is gone.
+    """
+    try:
+        return folder.absolute()
+    except OSError as error:
+        raise RequestError(f"{folder}: the current folder is gone: {reason(error)}") from None
 
 
 def _begun(folder: Path, recipe: Recipe, runs: int, about: dict[str, Any], resume: bool) -> Manifest:
