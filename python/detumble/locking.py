@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,10 @@ from detumble.writing import reason
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+
+_MOST_DIGITS = 20
+"""Of the number of a process, which is all that a lock file holds."""
 
 
 class Lock:
@@ -25,22 +30,38 @@ class Lock:
     """
 
     def __init__(self, folder: Path, doing: str) -> None:
-        path = folder / ".lock"
+        self._path = folder / ".lock"
+        self._made = not self._path.exists()
+        flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
         try:
-            self._file = path.open("a+b", buffering=0)
+            descriptor = os.open(self._path, flags, 0o666)
         except OSError as error:
-            raise RequestError(f"{path}: cannot be written: {reason(error)}") from None
-        if not locked(self._file.fileno()):
-            self._file.seek(0)
-            owner = self._file.read().decode(errors="replace")
+            raise RequestError(f"{self._path}: cannot be written: {reason(error)}") from None
+        self._file = os.fdopen(descriptor, "r+b", buffering=0)
+        if not stat.S_ISREG(os.fstat(descriptor).st_mode):
             self._file.close()
-            raise RequestError(f"{folder}: another process ({owner}) is {doing}")
+            raise RequestError(f"{self._path}: cannot be written: is no regular file")
+        owner = self._file.read(_MOST_DIGITS + 1)
+        if owner and not (owner.isdigit() and len(owner) <= _MOST_DIGITS):
+            self._file.close()
+            raise RequestError(f"{self._path}: not written by detumble, and would be replaced; move it away")
+        if not locked(descriptor):
+            self._file.close()
+            raise RequestError(f"{folder}: another process ({owner.decode()}) is {doing}")
         with suppress(OSError):
+            self._file.seek(0)
             self._file.truncate(0)
             self._file.write(str(os.getpid()).encode())
 
-    def close(self) -> None:
-        """Let others in."""
+    def close(self, *, forget: bool = False) -> None:
+        """Let others in.
+
+        Args:
+            forget: take the file away if it was made here: nothing was done in the folder.
+        """
+        if forget and self._made:
+            with suppress(OSError):
+                self._path.unlink()
         self._file.close()
 
 

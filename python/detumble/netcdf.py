@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import h5py  # type: ignore[import-untyped]
 import numpy as np
 import xarray as xr
+from pydantic import TypeAdapter
 
 from detumble import __version__
 from detumble.checking import MOST_SEED, choice, whole
@@ -19,6 +20,7 @@ from detumble.errors import RequestError, ScenarioError
 from detumble.metrics import METRICS, Metrics
 from detumble.scenario.files import from_toml
 from detumble.scenario.laws import LAWS
+from detumble.scenario.model import MOST_PERIODS
 from detumble.surroundings import check_dask
 from detumble.variables import AXES, COMPONENTS, VARIABLES
 from detumble.writing import named_file, reason, write_bytes
@@ -74,7 +76,7 @@ def _attributes(flight: Flight) -> dict[str, Any]:
 
 
 DIGEST = "digest"
-"""Attribute that holds the hash of all others and of every series: a file that was damaged or edited is not read as a flight."""
+"""Attribute that holds the hash of the recipe and of every series: a file that was damaged or edited is not read as a flight."""
 
 
 def digest(history: Mapping[str, Any], recipe: Mapping[str, Any]) -> str:
@@ -132,10 +134,18 @@ def read(path: str | os.PathLike[str]) -> Flight:
             raise RequestError(f"{name}: is no regular file; a flight is a NetCDF file")
         with h5py.File(name, "r") as file:
             recipe = {key: file.attrs[key] for key in (*RECIPE, DIGEST) if key in file.attrs}
+            _check_shapes({each: file[each].shape for each in series if each in file})
             history = {each: np.asarray(file[each]) for each in series if each in file}
     except OSError as error:
         raise RequestError(f"{name}: cannot be read as NetCDF: {reason(error)}") from None
-    except (ValueError, KeyError, TypeError, RuntimeError, AttributeError) as error:  # what h5py makes of damage
+    except (
+        ValueError,
+        KeyError,
+        TypeError,
+        RuntimeError,
+        AttributeError,
+        MemoryError,
+    ) as error:  # what h5py makes of damage
         raise RequestError(f"{name}: cannot be read as NetCDF: {' '.join(str(error).split())}") from None
     missing = [each for each in (*series, *RECIPE, DIGEST) if each not in history and each not in recipe]
     if missing:
@@ -152,6 +162,34 @@ def read(path: str | os.PathLike[str]) -> Flight:
         raise RequestError(f"{name}: holds no detumble flight that this version ({__version__}) can read") from None
 
 
+def _check_shapes(shapes: Mapping[str, tuple[int, ...]]) -> None:
+    """Make sure, before anything is read, that series have one length, no more than a flight has, and their own widths.
+
+    Raises:
+        ValueError: they have not.
+    """
+    rows = (shapes.get("time") or (0,))[0]
+    widths: dict[str, tuple[int, ...]] = {"axis": (3,), "quaternion": (4,), "": ()}
+    wanted = {"time": (rows,)} | {variable.name: (rows, *widths[variable.across]) for variable in VARIABLES}
+    wrong = [name for name, shape in shapes.items() if shape != wanted[name]]
+    if wrong or rows > MOST_PERIODS + 1:
+        raise ValueError(f"{', '.join(wrong) or 'time'}: no series of a flight has that shape")
+
+
+def _checked_metrics(stored: Mapping[str, Any]) -> Metrics:
+    """Read metrics, each of which must be there: a number, three numbers, or None.
+
+    Raises:
+        ValueError: they are not.
+    """
+    for metric in METRICS:
+        value = stored[metric.key]
+        numbers = value if metric.name.endswith("_axes") and isinstance(value, list) else [value]
+        if any(isinstance(one, bool) or not isinstance(one, int | float | None) for one in numbers):
+            raise ValueError(metric.key)
+    return Metrics.from_json(stored)
+
+
 def _flight(recipe: Mapping[str, Any], history: dict[str, Any], name: str) -> Flight:
     from detumble.flight import Event, Flight
 
@@ -160,9 +198,9 @@ def _flight(recipe: Mapping[str, Any], history: dict[str, Any], name: str) -> Fl
         law=choice("law", recipe["law"], (*LAWS, "none")),
         seed=whole("seed", int(recipe["seed"]), 0, MOST_SEED),
         index=whole("index", int(recipe["index"]), 0, MOST_SEED),
-        backend=recipe["backend"],
+        backend=choice("backend", recipe["backend"], ("portable", "avx2", "avx512")),
         history=history,
-        metrics=Metrics.from_json(json.loads(recipe["metrics"])),
-        events=tuple(Event(**event) for event in json.loads(recipe["events"])),
-        warnings=tuple(json.loads(recipe["warnings"])),
+        metrics=_checked_metrics(json.loads(recipe["metrics"])),
+        events=TypeAdapter(tuple[Event, ...]).validate_json(recipe["events"], strict=True),
+        warnings=TypeAdapter(tuple[str, ...]).validate_json(recipe["warnings"], strict=True),
     )

@@ -11,24 +11,27 @@ import json
 import os
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from detumble.errors import RequestError
 from detumble.locking import locked
-from detumble.writing import before_replacing, output_folder, read_bytes, reason
+from detumble.writing import before_replacing, leftovers, output_folder, read_bytes, reason
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from pathlib import Path
 
 LEDGER = "written.json"
 """Name of the file that keeps the hashes."""
+_WHAT = "files that detumble wrote here, by the SHA-256 of their content"
 _MOST_BYTES = 2**24
 """Of that file."""
 
 
 @contextmanager
-def results_folder(folder: Path | None, files: Sequence[str], source: str | os.PathLike[str] = "") -> Iterator[None]:
+def results_folder(
+    folder: Path | None, files: Sequence[str], source: str | os.PathLike[str] = "", *, stale: Sequence[str] = ()
+) -> Iterator[None]:
     """Work in a folder of results: it is created, kept for this process, and its foreign files are not touched.
 
     Every file that is written by `detumble.writing` meanwhile, in the folder or beneath, is entered in `written.json`.
@@ -37,6 +40,7 @@ def results_folder(folder: Path | None, files: Sequence[str], source: str | os.P
         folder: of the results; None asks for none.
         files: patterns of what will be written, relative to the folder: refused now rather than after long work.
         source: file that the work reads; it is not replaced either.
+        stale: patterns likewise: what was written here before, and is not written now, is taken away when the work is done.
 
     Raises:
         RequestError: the folder takes no files, a file of that name stands there that was not written here or was changed
@@ -52,9 +56,13 @@ def results_folder(folder: Path | None, files: Sequence[str], source: str | os.P
             return
         with _alone(folder):
             ledger = _Ledger(folder)
+            for pattern in files:
+                for leftover in leftovers(folder / Path(pattern).parent, Path(pattern).name):
+                    leftover.unlink(missing_ok=True)  # its writer is gone: nobody else writes here
             tokens = _open.set(ledger), before_replacing.set(ledger.enter)
             try:
                 yield
+                ledger.take_away(stale)
             finally:
                 _open.reset(tokens[0])
                 before_replacing.reset(tokens[1])
@@ -107,10 +115,17 @@ class _Ledger:
     def __init__(self, folder: Path) -> None:
         self.folder = folder.resolve()
         self._hashes: dict[str, list[str]] = {}
-        with suppress(OSError, ValueError):
-            found = json.loads(read_bytes(self.folder / LEDGER, _MOST_BYTES))
-            if isinstance(found, dict) and isinstance(found.get("files"), dict):
-                self._hashes = {name: hashes for name, hashes in found["files"].items() if isinstance(hashes, list)}
+        self._written: set[str] = set()
+        path = folder / LEDGER
+        if not path.exists() and not path.is_symlink():
+            return
+        try:
+            found = json.loads(read_bytes(path, _MOST_BYTES))
+            if path.is_symlink() or found["what"] != _WHAT:
+                raise ValueError
+            self._hashes = {str(name): list(map(str, hashes)) for name, hashes in found["files"].items()}
+        except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
+            raise RequestError(f"{folder}: {_FOREIGN.format(LEDGER)}") from None
 
     def knows(self, path: Path) -> bool:
         """Tell whether a file is as it was written here."""
@@ -135,13 +150,20 @@ class _Ledger:
         if old and old != [new] and not self.knows(path):
             raise RequestError(f"{self.folder}: {_FOREIGN.format(path.name)}")
         self._hashes[self._name(path)] = sorted({*old, new})
+        self._written.add(self._name(path))
         temporary = self.folder / f".{LEDGER}.{os.getpid()}"
         try:
-            temporary.write_text(json.dumps({"files": self._hashes}, indent=1) + "\n", encoding="utf-8")
+            temporary.write_text(json.dumps({"what": _WHAT, "files": self._hashes}, indent=1) + "\n", encoding="utf-8")
             temporary.replace(self.folder / LEDGER)
         finally:
             with suppress(OSError):
                 temporary.unlink()
+
+    def take_away(self, patterns: Sequence[str]) -> None:
+        """Remove what was written here before by these patterns, and not now."""
+        for path in {path for pattern in patterns for path in self.folder.glob(pattern)}:
+            if self._name(path) not in self._written and self.knows(path):
+                path.unlink()
 
     def _name(self, path: Path) -> str:
         found = path.parent.resolve() / path.name

@@ -22,10 +22,15 @@ if TYPE_CHECKING:
 PLAIN = {"Δ": "d", "–": "-", "─": "-", "…": "...", "°": "deg", "²": "2", "³": "3", "⁴": "4"}
 """What stands for a character that a stream's encoding lacks; a question mark for any other."""
 
-ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
-"""Ctrl-C, the end of a job or of the machine, the end of a terminal."""
-NUMBERS = ("TERMINAL_WIDTH", "SOURCE_DATE_EPOCH")
-"""Variables that the help and numpy take for whole numbers, and end in a traceback if they are none."""
+UNHEARD = ("SOURCE_DATE_EPOCH", "HDF5_DRIVER", "HDF5_VOL_CONNECTOR", "POLARS_PANIC_ON_ERR", "_DETUMBLE_COMPLETE")
+"""Variables by which libraries would write otherwise than the command says, or end the process."""
+WIDTH = "TERMINAL_WIDTH"
+"""Of the help, in characters."""
+TRACEBACK = "DETUMBLE_TRACEBACK"
+"""Set to anything, it shows where an unforeseen error comes from."""
+_ENDING = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGUSR1", "SIGUSR2", "SIGXCPU", "SIGALRM")
+ENDING = [getattr(signal, name) for name in _ENDING if hasattr(signal, name)]
+"""Ctrl-C, the end of a job or of the machine, the end of a terminal, and what schedulers send before they kill a job."""
 UNTOUCHED = (signal.default_int_handler, signal.SIG_DFL)
 """What is done on these where nobody has asked for anything else."""
 
@@ -37,9 +42,7 @@ def run() -> None:
         SystemExit: always, with the exit code.
     """
     drawing.alone = True
-    for name in NUMBERS:
-        if not os.environ.get(name, "0").isdecimal():
-            del os.environ[name]
+    _settle_environment()
     _open_closed_streams()
     _keep_readable()
     try:
@@ -56,8 +59,25 @@ def run() -> None:
         _leave(1)
     except OSError as error:
         _leave(1, f"{error.filename or 'standard output'}: cannot be written: {reason(error)}")
+    except MemoryError:
+        _leave(1, "there is not enough memory for this")
+    except (SystemExit, KeyboardInterrupt):
+        raise
+    except BaseException as error:
+        if TRACEBACK in os.environ:
+            raise
+        said = " ".join(str(error).split())
+        _leave(1, f"{type(error).__name__}: {said}; this was not foreseen: {TRACEBACK}=1 shows where it comes from")
     finally:
         _discard_unwritten()
+
+
+def _settle_environment() -> None:
+    for name in UNHEARD:
+        os.environ.pop(name, None)
+    width = os.environ.get(WIDTH, "80")
+    if not (width.isascii() and width.isdecimal() and 0 < len(width) < 5):
+        del os.environ[WIDTH]
 
 
 def _leave(code: int, message: str = "") -> None:

@@ -27,9 +27,10 @@ def check_polars() -> None:
             "this process was forked from one in which polars is at work, whose threads do not come along: campaigns can be "
             'used in it if it is started by "spawn" or "forkserver" (multiprocessing.get_context, mp_context)'
         )
-    number = os.environ.get("POLARS_MAX_THREADS", "1")
-    if not (number.isascii() and number.isdecimal() and int(number)):
-        raise RequestError(f"POLARS_MAX_THREADS {number!r}: must be a whole number of at least 1, or not set at all")
+    for name in ("POLARS_MAX_THREADS", "POLARS_ASYNC_THREAD_COUNT"):
+        number = os.environ.get(name, "1")
+        if not (number.isascii() and number.isdecimal() and len(number) <= 4 and int(number)):
+            raise RequestError(f"{name} {number!r}: must be a whole number from 1 to 9999, or not set at all")
 
 
 def check_dask() -> None:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import re
 import stat
 import threading
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,7 +28,8 @@ _LONGEST_STEM = 40
 def whole_file(path: Path) -> Iterator[Path]:
     """Give a temporary path beside the file; put it in place at the end, or take it away if anything failed.
 
-    A symbolic link is followed and stays; a file that is replaced keeps its mode and, where the system allows it, its owner.
+    A symbolic link is followed and stays; a file that is replaced keeps its mode and, where the system allows it, its owner. Of
+    several hard links only this one leads to the new file.
 
     Args:
         path: where the finished file shall stand.
@@ -62,14 +65,38 @@ def whole_file(path: Path) -> Iterator[Path]:
             temporary.unlink()
 
 
+def leftovers(folder: Path, pattern: str) -> list[Path]:
+    """Find temporary files of `whole_file` in a folder, whose writers may have been killed.
+
+    Args:
+        folder: to look in; none of those beneath.
+        pattern: of the names that the finished files would have had.
+    """
+    found = []
+    for path in folder.glob(".*"):
+        parts = re.fullmatch(r"\.(.+)\.\d+(-\d+)?(\.[^.]*)?", path.name)
+        if parts and fnmatch(parts[1] + (parts[3] or ""), pattern):
+            found.append(path)
+    return found
+
+
 def _regular(path: Path) -> os.stat_result | None:
     """Give what is known of a file that stands there; None where there is none.
 
     Raises:
-        RequestError: it is a folder, a device, a pipe, or has no name.
+        RequestError: it is a folder, a device, a pipe, or has no name; or the path leads to an open file of a process.
     """
     if not path.name:
         raise RequestError(f'"{path}": names no file')
+    hop = path
+    for _ in range(40):  # as many links as systems follow
+        if (place := os.path.realpath(hop.parent)) == "/dev" or f"{place}/".startswith("/proc/"):
+            raise RequestError(
+                f"{path}: cannot be written: is a device or an open file; only a regular file is replaced"
+            )
+        if not hop.is_symlink():
+            break
+        hop = hop.parent / hop.readlink()
     try:
         found = path.stat()
     except FileNotFoundError:

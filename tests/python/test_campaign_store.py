@@ -217,7 +217,7 @@ def test_each_kind_of_damage_is_found_and_told(store: Store, tmp_path: Path) -> 
         4: "its bytes are not those that were written",
         6: "is shard 7 under another's name",
         7: "is shard 6 under another's name",
-        8: "cannot be read: is a directory",
+        8: "is a folder; needed: a regular file",
     }
     told = [f"{store.path(number)}: damaged: {why}; it is flown again" for number, why in reasons.items()]
     assert there(store, 1000) == ([9], told)

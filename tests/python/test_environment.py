@@ -139,12 +139,21 @@ def test_a_current_folder_that_is_gone_stops_nothing(arguments: list[str], tmp_p
     assert list((tmp_path / "out").glob("*.png"))
 
 
-@pytest.mark.parametrize("number", ["0", "abc", ""])
-def test_a_number_of_threads_that_polars_cannot_have_is_one_message(number: str, tmp_path: Path) -> None:
-    done = command("campaign", "paper", "--runs", "4", "--out", str(tmp_path / "c"), POLARS_MAX_THREADS=number)
+@pytest.mark.parametrize("name", ["POLARS_MAX_THREADS", "POLARS_ASYNC_THREAD_COUNT"])
+@pytest.mark.parametrize("number", ["0", "abc", "", "99999"])
+def test_a_number_of_threads_that_polars_cannot_have_is_one_message(name: str, number: str, tmp_path: Path) -> None:
+    done = command("campaign", "paper", "--runs", "4", "--out", str(tmp_path / "c"), **{name: number})
     assert done.returncode == 2
-    assert done.stderr == f"POLARS_MAX_THREADS {number!r}: must be a whole number of at least 1, or not set at all\n"
+    assert done.stderr == f"{name} {number!r}: must be a whole number from 1 to 9999, or not set at all\n"
     assert not (tmp_path / "c").exists()
+
+
+def test_an_error_that_nobody_foresaw_is_one_message_and_shows_its_place_on_request() -> None:
+    broken = {"NUMPY_MADVISE_HUGEPAGE": "x"}  # read by numpy as it is imported
+    done = command("run", "paper", "--json", **broken)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+    assert "DETUMBLE_TRACEBACK=1" in done.stderr
+    assert "Traceback" in command("run", "paper", "--json", **broken, DETUMBLE_TRACEBACK="1").stderr
 
 
 def test_a_configuration_of_dask_that_cannot_be_read_is_one_message(tmp_path: Path) -> None:
@@ -156,11 +165,17 @@ def test_a_configuration_of_dask_that_cannot_be_read_is_one_message(tmp_path: Pa
     assert done.stderr.count("\n") == 1
 
 
-def test_variables_that_make_no_sense_stop_nothing() -> None:
+def test_variables_that_make_no_sense_stop_nothing(tmp_path: Path) -> None:
     names = ("OMP_NUM_THREADS", "RAYON_NUM_THREADS", "COLUMNS", "LINES", "TERMINAL_WIDTH", "SOURCE_DATE_EPOCH")
     senseless = dict.fromkeys(names, "abc") | {"TERM": "", "TMPDIR": "/nowhere", "PYTHONWARNINGS": "error"}
     assert command("--help", **senseless).returncode == 0
     assert command(*RUN[:-1], "--json", **senseless).returncode == 0
+    senseless |= {"SOURCE_DATE_EPOCH": "9" * 30, "TERMINAL_WIDTH": "9" * 5000, "_DETUMBLE_COMPLETE": "foo"}
+    senseless |= {"HDF5_DRIVER": "foo", "HDF5_VOL_CONNECTOR": "foo", "POLARS_PANIC_ON_ERR": "1"}
+    assert command("run", "--help", **senseless).returncode == 0
+    done = command(*RUN, str(tmp_path / "out"), **senseless)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "flight.nc").exists()
     assert command("bound", "paper_dispersed", "--runs", "1", "--quick", **senseless).returncode == 0
 
 

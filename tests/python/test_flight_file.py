@@ -99,9 +99,13 @@ WRONG: dict[str, list[Any]] = {
     "law": ["x", "", "none "],
     "seed": ["-1", "x", "1.5", str(2**64)],
     "index": ["-1", "", "1e3"],
-    "metrics": ["{", "[]", "3", '"x"', "null"],
-    "events": ["{", "3", "[3]", '[{"name": "captured"}]', '[{"what": 1}]', "[" * 3000],
-    "warnings": ["3", "{"],
+    "metrics": ["{", "{}", "[]", "3", '"x"', "null"],
+    "events": [
+        *("{", "3", "[3]", '[{"name": "captured"}]', '[{"what": 1}]', "[" * 3000),
+        *('[{"name": "nix", "time": 1.0}]', '[{"name": "captured", "time": "a"}]'),
+    ],
+    "warnings": ["3", "{", '["a", 1, null]'],
+    "backend": ["foo", "", "AVX2"],
     "scenario": ["", "title = 3", "x", "\x00"],
 }
 
@@ -118,6 +122,20 @@ def test_a_wrong_attribute_under_a_right_digest_is_refused_too(
     except ValueError:  # HDF5 takes no NUL
         return
     refused(path)
+
+
+@pytest.mark.parametrize("name", ["distance", "position", "chaser_attitude", "time"])
+def test_series_of_another_shape_are_refused_before_they_are_read(
+    name: str, flight: detumble.Flight, path: Path
+) -> None:
+    rows = len(flight.history["time"])
+    for shape in ((10**12,), (rows - 1,), (rows, 2), (rows, 3, 3), ()):
+        if shape[1:] == flight.history[name].shape[1:] and shape[:1] == (rows,):
+            continue
+        with h5py.File(path, "r+") as file:
+            del file[name]
+            file.create_dataset(name, shape, "f8", chunks=(1000,) if shape == (10**12,) else None)
+        refused(path)
 
 
 def test_what_is_no_flight_is_refused(path: Path, tmp_path: Path) -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -109,12 +112,105 @@ def test_a_file_that_was_not_foreseen_is_not_replaced_either(tmp_path: Path) -> 
     assert (tmp_path / "other").read_text() == "mine"
 
 
-@pytest.mark.parametrize("content", ["", "{", "[]", '{"files": 3}', '{"files": {"file": 3}}', "\0"])
-def test_a_broken_ledger_knows_nothing(content: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("content", ["", "{", "[]", '{"files": 3}', '{"files": {"file": 3}}', '{"my": "notes"}', "\0"])
+def test_another_file_of_the_ledgers_name_stays(content: str, tmp_path: Path) -> None:
     (tmp_path / LEDGER).write_text(content)
-    (tmp_path / "file").write_text("mine")
-    with pytest.raises(RequestError, match="file"), results_folder(tmp_path, ["file"]):
-        pass
+    with pytest.raises(RequestError, match=LEDGER), results_folder(tmp_path, ["file"]):
+        write_text(tmp_path / "file", "ours")
+    assert state(tmp_path) == {LEDGER: content.encode()}
+
+
+def test_a_link_of_the_ledgers_name_stays(tmp_path: Path) -> None:
+    (tmp_path / "mine").write_text("mine")
+    for target in ("mine", "nowhere"):
+        (tmp_path / LEDGER).symlink_to(target)
+        with pytest.raises(RequestError, match=LEDGER), results_folder(tmp_path, ["file"]):
+            pass
+        (tmp_path / LEDGER).unlink()
+    assert state(tmp_path) == {"mine": b"mine"}
+
+
+def test_another_lock_file_or_record_stays(tmp_path: Path) -> None:
+    fly = ("campaign", "paper", "--runs", "2", *SHORT, "--out", ".")
+    tune = ("tune", "paper", "--budget", "1", "--starts", "1", "--held-out", "0", *SHORT, "--out", ".")
+    (tmp_path / "mine").write_text("12")
+    for command in (fly, tune):
+        (tmp_path / ".lock").symlink_to("mine")
+        assert call(*command, cwd=tmp_path).code == 2
+        (tmp_path / ".lock").unlink()
+        (tmp_path / ".lock").write_text("my own lock")
+        assert call(*command, cwd=tmp_path).code == 2
+        assert state(tmp_path) == {"mine": b"12", ".lock": b"my own lock"}
+        (tmp_path / ".lock").unlink()
+    for content in ("my only notes", "my notes\n", '{"formal": 1'):
+        (tmp_path / "record.jsonl").write_text(content)
+        assert call(*tune, cwd=tmp_path).code == 2, content
+        assert state(tmp_path) == {"mine": b"12", "record.jsonl": content.encode()}
+
+
+def test_only_what_killed_writers_left_is_taken_away(tmp_path: Path) -> None:
+    mine = (".campaign.mine.json", ".campaign.json", "shards/.shard-mine.parquet", ".fig1.png")
+    theirs = (".campaign.12.json", ".campaign.12-34.json", "shards/.shard-000000.12.parquet", ".summary.99.json")
+    (tmp_path / "shards").mkdir()
+    for name in (*mine, *theirs):
+        (tmp_path / name).write_text("x")
+    (tmp_path / "shards" / "shard-000000.parquet").write_text("x")
+    fly = ("campaign", "paper", "--runs", "2", *SHORT, "--out", ".")
+    assert call(*fly, cwd=tmp_path).code == 2
+    (tmp_path / "shards" / "shard-000000.parquet").unlink()
+    for name in ("shards/.shard-mine.parquet", "shards/.shard-000000.12.parquet"):
+        (tmp_path / name).unlink()
+    assert call(*fly, cwd=tmp_path).code == 0
+    assert {name for name in (*mine, *theirs) if (tmp_path / name).exists()} == {mine[0], mine[1], mine[3]}
+
+
+def test_results_of_another_request_do_not_stay_beside_the_new_ones(tmp_path: Path) -> None:
+    bound = ("bound", "paper", "--out", "b")
+    assert call(*bound, *SHORT, "--runs", "2", "--quick", cwd=tmp_path).code == 0
+    (tmp_path / "b" / "notes.csv").write_text("mine")
+    done = call(*bound, "--set", "time.duration=1.0", cwd=tmp_path)
+    assert done.code == 2
+    assert "notes.csv" in done.err
+    (tmp_path / "b" / "notes.csv").rename(tmp_path / "b" / "notes.txt")
+    assert call(*bound, "--set", "time.duration=1.0", cwd=tmp_path).code == 0
+    assert set(state(tmp_path / "b")) == {"bound.json", "scenario.toml", "notes.txt", LEDGER}
+
+
+def test_a_campaign_is_read_from_nothing_that_has_no_end(tmp_path: Path) -> None:
+    fly = ("campaign", "paper", "--runs", "3", *SHORT, "--out", "c")
+    assert call(*fly, cwd=tmp_path).code == 0
+    shard, manifest = tmp_path / "c" / "shards" / "shard-000000.parquet", tmp_path / "c" / "campaign.json"
+    shard.unlink()
+    os.mkfifo(shard)
+    assert call("run", "--replay", "c:0", cwd=tmp_path).code == 0
+    with pytest.raises(RequestError):
+        detumble.read_campaign(tmp_path / "c")
+    assert call(*fly, "--resume", cwd=tmp_path).code == 2
+    manifest.unlink()
+    for make in (os.mkfifo, lambda path: path.symlink_to("/dev/zero"), Path.mkdir):
+        make(manifest)
+        for command in (("run", "--replay", "c:0"), fly):
+            assert call(*command, cwd=tmp_path).code == 2
+        Path.rmdir(manifest) if manifest.is_dir() else manifest.unlink()
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("shard", 0), ("seed", -1), ("law", "x"), ("arithmetic", "foo"), ("format", "2")]
+)
+def test_a_manifest_with_a_wrong_value_is_refused(name: str, value: object, tmp_path: Path) -> None:
+    folder = tmp_path / "c"
+    paper = detumble.load("paper")
+    paper.time.duration = 2.0
+    detumble.campaign(paper, "pd", 3, out=folder)
+    raw = json.loads((folder / "campaign.json").read_text())
+    if name == "format":
+        raw["format"] = value
+    else:
+        raw["recipe"][name] = value
+        raw["identity"] = hashlib.sha256(json.dumps(raw["recipe"], sort_keys=True).encode()).hexdigest()
+    (folder / "campaign.json").write_text(json.dumps(raw))
+    with pytest.raises(RequestError, match=rf"campaign\.json: broken: .*{name}"):
+        detumble.read_campaign(folder)
 
 
 def test_two_processes_do_not_write_into_one_folder(tmp_path: Path) -> None:

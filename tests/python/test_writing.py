@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import stat
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from threading import Thread
@@ -79,6 +81,23 @@ def test_what_is_no_regular_file_is_not_replaced(save: Save, tmp_path: Path) -> 
         with pytest.raises(detumble.RequestError):
             save(path)  # type: ignore[arg-type]
     assert len(list(tmp_path.iterdir())) == 4
+
+
+@pytest.mark.parametrize("name", ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1", "link"])
+def test_standard_output_that_goes_to_a_file_is_not_replaced(name: str, tmp_path: Path) -> None:
+    (tmp_path / "link").symlink_to("/dev/stdout")
+    program = f"""
+import detumble
+print("before", flush=True)
+try:
+    detumble.load("paper").save({name!r})
+except detumble.RequestError as error:
+    print("refused", flush=True)
+"""
+    log = tmp_path / "log"
+    with log.open("w") as file:
+        subprocess.run([sys.executable, "-c", program], cwd=tmp_path, stdout=file, check=True)
+    assert log.read_text() == "before\nrefused\n"
 
 
 def test_a_name_as_long_as_the_system_allows_is_written(tmp_path: Path) -> None:

@@ -12,12 +12,14 @@ from pydantic import Field, TypeAdapter, ValidationError
 from detumble.campaigns.recipe import Recipe
 from detumble.errors import RequestError, ScenarioError
 from detumble.scenario.wording import shown
-from detumble.writing import reason
+from detumble.writing import read_bytes, reason
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
 MANIFEST = "campaign.json"
+_MOST_BYTES = 2**26
+"""Of the manifest."""
 FORMAT = 2
 """Of the folder; raised when what older versions wrote can no longer be read in the same way, or they not read the new."""
 
@@ -35,7 +37,7 @@ class Manifest:
         recipe: what is flown.
     """
 
-    format: int
+    format: Annotated[int, Field(ge=1, strict=True)]
     identity: str
     runs: Annotated[int, Field(ge=1)]
     created: str
@@ -55,7 +57,7 @@ def read_manifest(folder: Path) -> Manifest:
     """
     path = folder / MANIFEST
     try:
-        raw = json.loads(path.read_bytes())
+        raw = json.loads(read_bytes(path, _MOST_BYTES))
     except (FileNotFoundError, NotADirectoryError):
         raise RequestError(f"{folder}: holds no campaign (no {MANIFEST})") from None
     except OSError as error:

@@ -6,10 +6,14 @@ import hashlib
 import json
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import Field
 
 import detumble
+from detumble.checking import MOST_SEED
 from detumble.compiled import core
+from detumble.scenario.laws import LAWS
 
 if TYPE_CHECKING:
     from detumble.scenario.model import Scenario
@@ -41,11 +45,11 @@ class Recipe:
     """
 
     scenario: str
-    law: str
-    seed: int
+    law: Annotated[str, Field(pattern=f"^({'|'.join(LAWS)}|none)$")]
+    seed: Annotated[int, Field(ge=0, le=MOST_SEED)]
     version: str = detumble.__version__
-    shard: int = SHARD
-    arithmetic: str = "wide"
+    shard: Annotated[int, Field(ge=1, le=10**6)] = SHARD
+    arithmetic: Annotated[str, Field(pattern="^(wide|portable)$")] = "wide"
 
     @cached_property
     def parsed(self) -> Scenario:

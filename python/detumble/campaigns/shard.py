@@ -175,6 +175,8 @@ def rows_in(path: Path, campaign: str, number: int) -> int:
         Damage: the end of the file is not as it was written, or that of another shard.
         FileNotFoundError: there is no such file.
     """
+    if path.exists() and not path.is_file():
+        raise Damage("is no regular file")
     try:
         with path.open("rb") as file:
             size = file.seek(0, io.SEEK_END)

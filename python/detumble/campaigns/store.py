@@ -27,7 +27,7 @@ from detumble.campaigns.rows import INDEX
 from detumble.campaigns.shard import Damage, decode, encode, rows_in
 from detumble.errors import RequestError
 from detumble.locking import Lock
-from detumble.writing import named_folder, output_folder, reason, whole_file
+from detumble.writing import leftovers, named_folder, output_folder, read_bytes, reason, whole_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -35,6 +35,10 @@ if TYPE_CHECKING:
     from typing import Self
 
     from detumble.campaigns.recipe import Recipe
+
+
+_MOST_BYTES = 2**33
+"""Of a shard: the most runs that one may hold take a tenth of it."""
 
 
 class Store:
@@ -79,7 +83,7 @@ class Store:
             try:
                 manifest = _begun(folder, recipe, runs, json.loads(json.dumps(about)), resume)
             except BaseException:
-                lock.close()
+                lock.close(forget=True)
                 raise
         return cls(_absolute(folder), manifest, lock)
 
@@ -201,9 +205,11 @@ class Store:
 
     def _decoded(self, number: int) -> pl.DataFrame:
         try:
-            raw = self.path(number).read_bytes()
+            raw = read_bytes(self.path(number), _MOST_BYTES)
         except FileNotFoundError:
             raise
+        except ValueError as error:
+            raise Damage(str(error)) from None
         except OSError as error:
             raise Damage(f"cannot be read: {reason(error)}") from None
         return decode(raw, self.manifest.identity, number, number * self.recipe.shard)
@@ -241,7 +247,7 @@ def _begun(folder: Path, recipe: Recipe, runs: int, about: dict[str, Any], resum
     try:
         shards.mkdir(exist_ok=True)
         # we hold the lock: whoever wrote these is gone
-        for leftover in (*folder.glob(".campaign.*.json"), *shards.glob(".shard-*.parquet")):
+        for leftover in (*leftovers(folder, MANIFEST), *leftovers(shards, "shard-*.parquet")):
             leftover.unlink()
     except OSError as error:
         raise RequestError(f"{shards}: cannot be used: {reason(error)}") from None

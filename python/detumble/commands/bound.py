@@ -53,7 +53,7 @@ def bound(
     if (quick or seed is not None) and runs is None:
         raise RequestError("--quick and --seed: need --runs, the number of runs of the campaign")
     chosen = scenario_of(scenario, [*(settings or ()), *(more or ())])
-    with results_folder(out, FILES, scenario):
+    with results_folder(out, FILES, scenario, stale=FILES):
         if runs is not None:
             seed = 0 if seed is None else seed
             values = bounds_of_runs(chosen, runs, seed, within, quick)

@@ -94,7 +94,7 @@ def campaign(
             backend=backend,
             watcher=progress,
         )
-    with results_folder(out, FILES):
+    with results_folder(out, FILES, stale=FILES if result.effort.flown or figures else ()):
         write_text(out / "summary.json", json_text(result.to_json()) + "\n")
         drawn = result.figures(tuple(over or ()), until_ci) if figures else []
     if as_json:

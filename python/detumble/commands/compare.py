@@ -86,7 +86,7 @@ def compare(
         robust=robust,
         as_given=as_given,
     )
-    with results_folder(out, FILES, scenario), Stages(out) as stages:
+    with results_folder(out, FILES, scenario, stale=("tuned/*.toml", "figures/*.png")), Stages(out) as stages:
         entries = _entries(chosen, laws, entry or [])
         result = work(chosen, entries, plan, out=out, resume=resume, threads=threads, watcher=stages)
         drawn = result.figures(out / "figures") if out else []

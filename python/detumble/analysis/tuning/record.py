@@ -61,7 +61,7 @@ class Record:
         try:
             self._open(self.path, json.loads(json.dumps({"format": FORMAT, **header})), resume)
         except BaseException:
-            self._lock.close()
+            self._lock.close(forget=True)
             raise
 
     def _open(self, path: Path, header: dict[str, Any], resume: bool) -> None:
@@ -72,6 +72,8 @@ class Record:
         except OSError as error:
             raise RequestError(f"{path}: cannot be read: {reason(error)}") from None
         whole = content[: content.rfind(b"\n") + 1]
+        if not whole and not (json.dumps(header).encode() + b"\n").startswith(content):
+            raise RequestError(f"{path}: is no record of a search, and would be replaced; move it away")
         lines = [_parsed(path, number, line) for number, line in enumerate(whole.splitlines(), 1)]
         if lines:
             differing = _differences(lines[0], header)
