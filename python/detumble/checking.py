@@ -1,13 +1,14 @@
 """What counts as a number, in every public call and every scenario field: one door.
 
-Python's and numpy's numbers count, and arrays and sequences of them (xarray's and pandas' own too). Booleans, text, bytes and
-numbers that carry another unit do not.
+Python's and numpy's numbers count, decimals too, and arrays and sequences of them, xarray's and pandas' own among them. Booleans,
+text, bytes, times and numbers that carry another unit do not.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from decimal import Decimal
 from numbers import Integral, Real
 from typing import Any, TypeVar
 
@@ -24,26 +25,28 @@ def plain(value: Any) -> Any:
     """
     if isinstance(value, bool | str | bytes | bytearray):
         return value
-    if isinstance(value, Integral):
-        return int(value)
-    if isinstance(value, float):
-        return float(value)
     if isinstance(value, list | tuple):
         return [plain(element) for element in value]
     if hasattr(value, "__array__"):
         import numpy as np
 
         array = np.asarray(value)
-        if array.dtype.kind in "iuf" and not np.ma.is_masked(value):
+        if array.dtype.kind in "iub" and not np.ma.is_masked(value):
             return array.tolist()
-        return [plain(element) for element in array] if array.dtype.kind == "O" and array.ndim else value
-    if isinstance(value, Real):
-        return float(value)
-    return value
+        if array.dtype.kind == "f" and not np.ma.is_masked(value):
+            return array.astype(np.float64).tolist()
+        if array.dtype.kind == "O":
+            return [plain(element) for element in array] if array.ndim else plain(array.item())
+        return value
+    if isinstance(value, Integral):
+        return int(value)
+    return float(value) if isinstance(value, Real | Decimal) else value
 
 
 def unit_of(value: Any) -> str:
-    """Give the unit that a value carries, as xarray, pint and astropy do; empty for none."""
+    """Give the unit that a value carries, as xarray, pint and astropy do, or one of its elements; empty for none."""
+    if isinstance(value, list | tuple):
+        return next((unit for element in value if (unit := unit_of(element))), "")
     attributes = getattr(value, "attrs", None)
     carried = attributes.get("units") if isinstance(attributes, dict) else None
     carried = carried or getattr(value, "units", None) or getattr(value, "unit", None)
@@ -73,6 +76,7 @@ def real(
     *,
     above: float = -math.inf,
     least: float = -math.inf,
+    below: float = math.inf,
     most: float = math.inf,
     unit: str = "",
     what: str = "",
@@ -84,6 +88,7 @@ def real(
         value: what was given.
         above: lower bound, excluded.
         least: lower bound, allowed.
+        below: upper bound, excluded.
         most: upper bound, allowed.
         unit: for the message.
         what: the number is, for the message.
@@ -93,8 +98,8 @@ def real(
     """
     number = plain(value)
     fine = isinstance(number, int | float) and not isinstance(number, bool) and unit_of(value) in ("", unit)
-    if not fine or not (math.isfinite(number) and above < number and least <= number <= most):
-        bounds = (("greater than", above), ("at least", least), ("at most", most))
+    if not fine or not (math.isfinite(number) and above < number and least <= number <= most and number < below):
+        bounds = (("greater than", above), ("at least", least), ("less than", below), ("at most", most))
         said = " and ".join(f"{words} {bound:.10g}" for words, bound in bounds if math.isfinite(bound))
         kind = "" if fine and math.isfinite(number) else "a finite number "
         subject = f"{what} " if what else ""
@@ -157,6 +162,15 @@ def instance(name: str, value: object, kind: type[Kind], wanted: str) -> Kind:
     if not isinstance(value, kind):
         raise RequestError(f"{name} {met(value)}: must be {wanted}")
     return value
+
+
+def flag(name: str, value: object) -> bool:
+    """Read true or false.
+
+    Raises:
+        RequestError: it is neither.
+    """
+    return instance(name, plain(value), bool, "true or false")
 
 
 def texts(name: str, values: object) -> list[str]:

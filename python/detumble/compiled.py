@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from detumble.checking import instance
-from detumble.errors import RequestError
+from detumble.errors import RequestError, ScenarioError
 from detumble.scenario.wording import did_you_mean
 
 if TYPE_CHECKING:
@@ -57,3 +57,19 @@ def checked_backend(name: str | None) -> str | None:
             f"no back end {name!r} on this machine{did_you_mean(name, known)}; there are {', '.join(known)}"
         )
     return name
+
+
+def check_gains(title: str, numbers: dict[str, Any]) -> None:
+    """Make sure that the core finds the gains of a law, before any work is begun.
+
+    Args:
+        title: of the scenario.
+        numbers: as `scenario.core.case` gives them.
+
+    Raises:
+        ScenarioError: it does not.
+    """
+    try:
+        core().fly_many(numbers, {}, 0)  # no flight
+    except ValueError as error:
+        raise ScenarioError(title, problem=str(error)) from None

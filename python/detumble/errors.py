@@ -42,9 +42,9 @@ class ScenarioError(RequestError, ValueError):
         self.problem = problem
         super().__init__(self._message())
 
-    def __reduce__(self) -> tuple[type[ScenarioError], tuple[str, tuple[Fault, ...], str]]:
-        """Let a copy, also one from another process, be made of the parts and not of the message."""
-        return type(self), (self.source, self.faults, self.problem)
+    def __reduce__(self) -> tuple[type[ScenarioError], tuple[str, tuple[Fault, ...], str], dict[str, object]]:
+        """Let a copy, also one from another process, be made of the parts and not of the message; notes stay."""
+        return type(self), (self.source, self.faults, self.problem), self.__dict__
 
     def _message(self) -> str:
         if not self.faults:

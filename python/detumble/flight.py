@@ -180,7 +180,14 @@ def flown(
     step = numbers["plan"]["control_period"] / numbers["plan"]["steps_per_period"]
     events = _events(metrics, record, step)
     remarks = (
-        *_warnings(metrics, events, scenario, law, _fast_turn(metrics, record, numbers, scenario)),
+        *_warnings(
+            metrics,
+            events,
+            scenario,
+            law,
+            record["summary"]["end_time"],
+            _fast_turn(metrics, record, numbers, scenario),
+        ),
         *_far(record, scenario),
     )
     return Flight(
@@ -233,6 +240,9 @@ def _divergence(history: Mapping[str, NDArray[np.float64]], metrics: Metrics, st
     turn = (metrics.largest_rate or 0.0) * step
     if turn > HOPELESS_TURN:
         return f"a body turned {turn:.2g} rad in an integration step of {step:.4g} s, too far for its rotation to be integrated"
+    if len(history["time"]) == 1:
+        force, torque = (math.hypot(*history[name][0]) for name in ("force", "torque"))
+        return f"the state left the numbers within the first control period, under {force:.3g} N and {torque:.3g} N m"
     units = {"position": "m", "velocity": "m/s", "chaser_rate": "rad/s", "debris_rate": "rad/s"}
     last = {name: float(abs(history[name][-1]).max()) for name in units}
     before = {name: float(abs(history[name][-2:][0]).max()) for name in units}
@@ -267,7 +277,7 @@ def _fast_turn(metrics: Metrics, record: Mapping[str, Any], numbers: Mapping[str
 
 
 def _warnings(
-    metrics: Metrics, events: tuple[Event, ...], scenario: Scenario, law: str, fast_turn: str
+    metrics: Metrics, events: tuple[Event, ...], scenario: Scenario, law: str, end: float, fast_turn: str
 ) -> tuple[str, ...]:
     found = []
     broken = next((event for event in events if event.name in BROKEN_OFF), None)
@@ -276,21 +286,25 @@ def _warnings(
     if broken:
         found.append(f"{BROKEN_OFF[broken.name]} at {broken.time:.10g} s: {broken.details['cause']}")
     elif metrics.capture_time is None and law != "none":
-        found.append(f"not captured within {scenario.time.duration:.10g} s")
+        found.append(f"not captured within {end:.10g} s")
     elif metrics.settling_time is None and law != "none" and scenario.capture.merge:
         found.append("captured, but not settled at the end of the flight")
     if fast_turn:
         found.append(fast_turn)
     if law == "none":
-        found += _not_flown(metrics, scenario)
+        found += [*_clipped(metrics), *cut_off(scenario)]
     return tuple(found)
 
 
-def _not_flown(metrics: Metrics, scenario: Scenario) -> Iterator[str]:
-    """Say what of the open-loop commands was not flown as it stands in the scenario."""
+def _clipped(metrics: Metrics) -> Iterator[str]:
+    """Say how much of the open-loop commands was over a limit."""
     for what, share in (("force", metrics.force_saturated_share), ("torque", metrics.torque_saturated_share)):
         if share:
             yield f"the {what} commanded is over actuators.{what}_limit for {100.0 * share:.3g} % of the time, and cut to it"
+
+
+def cut_off(scenario: Scenario) -> Iterator[str]:
+    """Say which open-loop segments end after the flight."""
     duration = scenario.time.duration
     for number, segment in enumerate(scenario.laws.none.segments if scenario.laws.none else ()):
         if segment.end > duration * (1.0 + 1e-9):

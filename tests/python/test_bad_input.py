@@ -10,6 +10,7 @@ import datetime
 import json
 import os
 from collections.abc import Callable, Iterator
+from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
@@ -105,6 +106,7 @@ SETTINGS = (
     "chaser.mass=" + "[" * 3000, "chaser.mass=" + "9" * 5000, "campaign.end=never", "campaign.hold=-1",
 )  # fmt: skip
 WORDS = (
+    ("run", "paper", "--set", "chaser.mass=9", "chaser.mass=10"), ("tune", "paper", "--list", "--fix", "kp=1"),
     (), ("x",), ("run",), ("run", ""), ("run", "nope"), ("run", "nope.toml"), ("run", "/dev/zero"), ("run", "/dev/null"),
     ("run", "."), ("run", "paper", "x"), ("run", "paper", "--nope"), ("run", "paper", "--replay", "x:0"), ("run", "--replay", ""),
     ("run", "--replay", "x"), ("run", "--replay", "x:y"), ("run", "--replay", ":0"), ("run", "--replay", "x:-1"),
@@ -174,7 +176,8 @@ def test_a_bad_command_line_is_answered_in_words(part: int, tmp_path: Path) -> N
 
 NUMBERS: tuple[Any, ...] = (
     "1", b"1", bytearray(b"1"), 1.5, -1, float("nan"), float("inf"), True, np.True_, [1], (), {}, 2**70, 1j, None,
-    np.array([1, 2]), np.array("1"), np.float64(0.5), np.datetime64("2020"), datetime.date(2020, 1, 1), object(), "٣",
+    np.array([1, 2]), np.array("1"), np.float64(0.5), np.datetime64("2020"), np.timedelta64(3, "s"), np.timedelta64(3),
+    datetime.date(2020, 1, 1), object(), "٣",
 )  # fmt: skip
 TEXTS: tuple[Any, ...] = (None, 3, b"prrl", ["prrl"], "", "PRRL", "\x1b", "none ", object())
 PATHS: tuple[Any, ...] = (None, 3, b"x", "", [], {}, "\0", "/dev/zero", "/dev/null", Path("/dev/zero"), object())
@@ -285,6 +288,11 @@ def test_what_is_no_name_is_refused_everywhere(short: Scenario, result: detumble
         for name, function in some.items():
             calls[f"{name} {met(bad)}"] = function
     calls["summary of a share"] = lambda: result.statistics.summary("success")
+    calls["gain without a name"] = lambda: detumble.tune(short, "pd", budget=1, starts=1, fixed={1: 1.0})  # type: ignore[dict-item]
+    for bad in (float("nan"), "5", [3], None, 1):
+        calls[f"resume {bad!r}"] = lambda bad=bad: detumble.campaign(short, "pd", 2, resume=bad)
+        if bad is not None:
+            calls[f"stack {bad!r}"] = lambda bad=bad: detumble.tune(short, "pd", budget=1, starts=1, stack=bad)
     calls["more than all"] = lambda: Proportion.of(5, 3)
     tried(calls)
 
@@ -373,6 +381,13 @@ def test_numbers_of_numpy_and_xarray_are_numbers(short: Scenario) -> None:
     assert from_toml(scenario.to_toml()) == scenario
     with pytest.raises(detumble.ScenarioError, match=r"is in m/s; must be a list of 3 numbers in m"):
         scenario.chaser.position = flight.data.velocity[-1]
+    with pytest.raises(detumble.ScenarioError, match=r"is in m/s; must be a list of 3 numbers in m"):
+        scenario.chaser.position = [1.0, flight.data.velocity[-1, 0], 2.0]
+    for nine in (Decimal(9), np.longdouble(9), np.array(9, dtype=object), np.float16(9)):
+        scenario.chaser.mass = nine
+        assert scenario.chaser.mass == 9.0
+    scenario.capture.merge = np.bool_(False)
+    assert scenario.capture.merge is False
 
 
 def test_a_deleted_folder_is_named(short: Scenario, tmp_path: Path) -> None:

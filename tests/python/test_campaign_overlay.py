@@ -120,11 +120,12 @@ def present(scenario: Scenario) -> list[str]:
     """Name the fields that a scenario has."""
     told = scenario.belief.stack == "true"
     beliefs = [path for path in fields() if path.startswith("belief.") and not (told and "stack" in path)]
-    return [path for path in fields() if scenario.at(path) is not None or path in beliefs]
+    given = [path for path in fields() if scenario.at(path) is not None or path in beliefs]
+    return [path for path in given if not refused(scenario, path)]
 
 
-def unused(scenario: Scenario, path: str) -> bool:
-    """Tell whether nothing depends on a field, whatever the law."""
+def refused(scenario: Scenario, path: str) -> bool:
+    """Tell whether nothing depends on a field, whatever the law: it cannot be dispersed."""
     if path == "laws.prrl.alpha":  # where each channel has one of its own
         return all(scenario.at(f"laws.prrl.{table}rotation.alpha") is not None for table in ("", "stack."))
     return path == "orbit.earth_radius" and scenario.orbit.radius is not None
@@ -176,7 +177,7 @@ def test_the_numbers_of_a_run_are_those_of_its_scenario_and_it_flies_by_them(nam
     for law in ALL_LAWS if owner is None else (owner, "none"):
         columns = overlay(scenario, law, drawn)
         given = case(scenario, law, until_the_end=False)
-        assert bool(columns) == (owner in (None, law) and not unused(nominal, path)), law
+        assert bool(columns) == (owner in (None, law)), law
         recipe = Recipe(scenario.to_toml(), law, SEED, arithmetic="portable")
         flown = fly_runs(recipe, 0, RUNS).columns
         for index, run in enumerate(runs):
@@ -207,9 +208,7 @@ def test_every_field_makes_a_difference_under_a_law_that_knows_it(name: str) -> 
         changed = dispersed(scenario, path)
         owner = path.split(".")[1] if path.startswith("laws.") else None
         moved = {law for law in LAWS if owner in (None, law) and results(changed, law) != undisturbed[law]}
-        if unused(scenario, path):
-            assert not moved
-        elif path.startswith(("settled.", "actuators.")):  # not every law ends near a threshold, or meets a limit
+        if path.startswith(("settled.", "actuators.")):  # not every law ends near a threshold, or meets a limit
             assert moved, path
         elif path.startswith("belief."):
             assert {"sosmc", "tsmc", "prrl"} <= moved, path
@@ -230,6 +229,13 @@ def test_many_dispersed_fields_at_once_keep_their_places() -> None:
                 if together.belief.stack == "true":
                     numbers |= {place: wanted[place] for place in wanted if place.startswith("belief.stack_")}
                 assert numbers == wanted, law
+
+
+def test_what_nothing_depends_on_is_refused() -> None:
+    for name, path in (("grasp points", "orbit.earth_radius"), ("own powers", "laws.prrl.alpha")):
+        assert refused(scenarios()[name], path)
+        with pytest.raises(detumble.ScenarioError, match="does nothing"):
+            dispersed(scenarios()[name], path)
 
 
 @pytest.mark.parametrize("own", [True, False])

@@ -32,6 +32,15 @@ def test_a_copy_has_the_same_message_and_parts(error: Exception) -> None:
         assert again.__dict__ == error.__dict__
 
 
+def test_notes_and_attributes_go_along() -> None:
+    error = detumble.ScenarioError("my.toml", FAULTS)
+    error.add_note("seen in run 3")
+    error.where = 5  # type: ignore[attr-defined]
+    for again in (pickle.loads(pickle.dumps(error)), copy.deepcopy(error)):
+        assert again.__notes__ == ["seen in run 3"]
+        assert again.where == 5
+
+
 def test_an_error_comes_back_from_a_worker() -> None:
     with ProcessPoolExecutor(1, get_context("spawn")) as workers, pytest.raises(detumble.ScenarioError) as caught:
         workers.submit(detumble.load, "nowhere.toml").result()

@@ -35,7 +35,7 @@ def fault_of(text: str, path: str) -> str:
         ("chaser", "mass_g = 9000", "mass, in kg? 9000 g is 9 kg"),
         ("chaser", "inertia_kg_cm2 = [1000, 1000, 500]", "[1000, 1000, 500] kg cm² is [0.1, 0.1, 0.05] kg m²"),
         ("chaser", "position_km = [1, 0, 0]", "position, in m? [1, 0, 0] km is [1000, 0, 0] m"),
-        ("actuators", "force_limit_mN = 100", "force_limit, in N? 100 mn is 0.1 N"),
+        ("actuators", "force_limit_mN = 100", "force_limit, in N? 100 mN is 0.1 N"),
         ("orbit", "mu_km3_s2 = 398600.0", "3.986e5 km³/s² is 3.986e14 m³/s²"),
         ("orbit", "altitude_km = 700", "altitude, in m? 700 km is 700e3 m"),
         ("time", "duration_min = 10", "duration, in s? 10 min is 600 s"),
@@ -122,7 +122,7 @@ def warned(*settings: str) -> list[str]:
         ("debris.tumble_rate=[4.0, 0, 0]", "debris.tumble_rate: 4 rad/s is 229.2 °/s; if degrees were meant: [0.0698132, 0, 0]"),
         ("chaser.rate=[0, 0, 2.0]", "chaser.rate: 2 rad/s"),
         ("capture.rate=3", "capture.rate: 3 rad/s"),
-        ("sensors.attitude_sigma=0.5", "sensors.attitude_sigma: 0.5 rad is 28.65°; if degrees were meant: 0.008727 rad"),
+        ("sensors.attitude_sigma=0.5", "sensors.attitude_sigma: 0.5 rad is 28.65 °; if degrees were meant: 0.00872665 rad"),
         ("chaser.inertia=[9e3, 9e3, 9e3]", "radius of gyration of 31.62 m"),
         ("debris.inertia=[1e6, 1e6, 1e6]", "debris.inertia: of 5 kg"),
         ("chaser.position=[0, 8e4, 0]", "1.1 % of the orbit's radius"),
@@ -136,6 +136,24 @@ def test_a_value_that_is_seldom_meant_is_asked_about(setting: str, said: str) ->
     assert said in found[0]
     flight = detumble.simulate(with_settings(detumble.load("paper"), [setting, "time.duration=1"]), "pd")
     assert found[0] in flight.warnings
+
+
+@pytest.mark.parametrize(
+    ("dispersion", "said"),
+    [
+        (
+            'field="debris.tumble_rate", distribution="direction", low=1, high=40',
+            "debris.tumble_rate: draws reach 40 rad/s",
+        ),
+        ('field="chaser.rate", distribution="normal", sigma=0.7', "chaser.rate: draws reach 1.4 rad/s"),
+        ('field="sensors.attitude_sigma", distribution="uniform", low=0.01, high=0.9', "draws reach 0.9 rad"),
+        ('field="chaser.position", distribution="normal", sigma=5e4', "chaser.position: draws reach 1e+05 m"),
+    ],
+)
+def test_draws_that_are_seldom_meant_are_asked_about(dispersion: str, said: str) -> None:
+    found = [each for each in warned(f"dispersions=[{{{dispersion}}}]") if "draws reach" in each]
+    assert len(found) == 1
+    assert said in found[0]
 
 
 def test_what_is_usual_is_not_asked_about() -> None:

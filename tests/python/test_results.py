@@ -235,6 +235,27 @@ def test_a_comparison_does_not_replace_another(tmp_path: Path) -> None:
     assert set(state(tmp_path)) == set(before)
 
 
+LOST = ("--set", "laws.lqr.translation.q_error=1e-300")
+"""Weights of which the Riccati equation has no solution."""
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("campaign", "paper", "--law", "lqr", "--runs", "4", *LOST),
+        ("tune", "paper", "--law", "lqr", "--budget", "4", *LOST),
+        ("tune", "paper", "--law", "lqr", "--objective", "pareto", "--budget", "4", *LOST),
+        ("compare", "paper", "--laws", "pd,lqr", "--runs", "10", "--budget", "4", *LOST),
+        ("compare", "paper", "--as-given", "--laws", "pd,lqr", "--runs", "10", *LOST),
+    ],
+)
+def test_a_refused_request_leaves_no_folder(command: tuple[str, ...], tmp_path: Path) -> None:
+    done = call(*command, "--out", "o", cwd=tmp_path)
+    assert done.code == 2
+    assert "Riccati" in done.err
+    assert not list(tmp_path.iterdir())
+
+
 def test_an_empty_name_is_no_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     paper = detumble.load("paper")

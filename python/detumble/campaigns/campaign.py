@@ -21,8 +21,8 @@ from detumble.campaigns.result import CampaignResult, Effort
 from detumble.campaigns.shard import frame_of
 from detumble.campaigns.statistics import Statistics
 from detumble.campaigns.store import Store
-from detumble.checking import MOST_SEED, met, plain, whole
-from detumble.compiled import checked_backend
+from detumble.checking import MOST_SEED, flag, met, plain, whole
+from detumble.compiled import check_gains, checked_backend
 from detumble.errors import RequestError
 from detumble.scenario.core import case
 from detumble.scenario.files import given
@@ -110,7 +110,7 @@ def campaign(
         RequestError: an argument cannot be used, the folder does not take the runs, or holds another campaign; polars
             cannot work in this process (`surroundings`).
     """
-    scenario = given(scenario)
+    scenario, resume = given(scenario), flag("resume", resume)
     check_polars()
     law = scenario.laws.default if law is None else law
     runs, seed, shard = (
@@ -123,7 +123,7 @@ def campaign(
     until_ci = None if until_ci is None else _half_width(until_ci)
     if sum(given is not None for given in (threads, local_cluster, scheduler)) > 1:
         raise RequestError("threads, scheduler and local_cluster: at most one of them says who flies")
-    case(scenario, law)
+    check_gains(scenario.title, case(scenario, law))
     recipe = Recipe(scenario.to_toml(), law, seed, shard=shard, arithmetic=arithmetic(checked_backend(backend)))
     watcher = watcher or Unwatched()
     crew = _crew(threads, scheduler, local_cluster, backend)

@@ -66,7 +66,7 @@ class Proportion:
         """
         runs = whole("runs", runs, 0, 2**63)
         count = whole("count", count, 0, runs)
-        confidence = real("confidence", confidence, above=0.0, most=1.0 - 1e-12)
+        confidence = real("confidence", confidence, above=0.0, below=1.0)
         low, high = clopper_pearson(count, runs, confidence)
         return cls(count, runs, count / runs if runs else math.nan, float(low), float(high))
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from detumble.campaigns.statistics import Statistics
 from detumble.campaigns.store import Store
 from detumble.errors import RequestError
-from detumble.flight import INSIDE
+from detumble.flight import INSIDE, cut_off
 from detumble.scenario.accuracy import coarse_step
 from detumble.scenario.hints import warnings
 
@@ -117,6 +117,12 @@ class CampaignResult:
             rate = statistics.summary("largest_rate_rad_s").largest or 0.0
             duration = self.recipe.parsed.time.duration
             found.append(f"in {fast} of {runs} runs {coarse_step(statistics.inertia, rate, statistics.step, duration)}")
+        if self.recipe.law == "none":
+            clipped = [what for what in ("force", "torque") if statistics.summary(f"{what}_saturated_share").largest]
+            found += [
+                f"the {what} commanded is over actuators.{what}_limit in some runs, and cut to it" for what in clipped
+            ]
+            found += cut_off(self.recipe.parsed)
         return (*found, *warnings(self.recipe.parsed, self.recipe.law))
 
     @cached_property

@@ -38,6 +38,10 @@ def scenario_of(name: str, settings: Sequence[str], *, quiet: bool = False) -> S
     """
     from detumble.scenario.files import load, with_settings
 
+    fields = [setting.partition("=")[0].strip() for setting in settings]
+    twice = next((field for field in fields if fields.count(field) > 1), None)
+    if twice is not None:
+        raise RequestError(f"--set {twice}: is set twice; set it once")
     scenario = load(name)
     if settings:
         scenario = with_settings(scenario, settings, name)

@@ -45,6 +45,7 @@ def bound(
 ) -> None:
     """Bound what any controller could do: the fastest capture, the least Δv, the least time to detumble."""
     from detumble.analysis.bounds.bound import bound as bounds_of
+    from detumble.flight import INSIDE
     from detumble.results import results_folder
     from detumble.surroundings import check_polars
 
@@ -63,6 +64,8 @@ def bound(
             found = bounds_of(chosen, within)
             files = _write(chosen, found, out) if out else []
             result, text = found.to_json(), _text(chosen, found)
+            if found.capture.upper == 0.0:
+                remark(f"warning: {INSIDE}")
             if chosen.dispersions:
                 remark(f"nominal values bounded: --runs takes the {len(chosen.dispersions)} dispersions into account")
     if as_json:

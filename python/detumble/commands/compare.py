@@ -65,6 +65,7 @@ def compare(
     from detumble.analysis.comparing.report import text_of
     from detumble.analysis.comparing.result import FILES
     from detumble.analysis.tuning import Objective
+    from detumble.flight import INSIDE
     from detumble.results import results_folder
 
     if resume and out is None:
@@ -94,6 +95,8 @@ def compare(
         print_json(result.to_json() | {"files": [str(file) for file in drawn]})
     else:
         print(text_of(result))
+    if not result.bounds.any():
+        remark(f"warning: {INSIDE}, in every run")
     if out:
         remark(f"written: {len(drawn)} figures, comparison.json and the gains of each entry in {out}")
     for fault in result.broken:

@@ -77,7 +77,10 @@ def tune(
     if resume and out is None:
         raise RequestError("--resume: needs --out, the folder of the search to continue")
     whole = space_of(chosen, law, form=form, stack=own_set)  # type: ignore[arg-type]  # checked there
+    held = _held(fix or (), whole)
+    what: dict[str, Any] = {"percentile": percentile(statistic), "required": required, "until": until}
     if show:
+        space_of(chosen, law, form=form, stack=own_set, fixed=held)  # type: ignore[arg-type]  # refuses what cannot be held
         if as_json:
             print_json({"law": law, "gains": _gains_json(whole)})
         else:
@@ -91,12 +94,11 @@ def tune(
         "horizon": horizon,
         "form": form,
         "stack": own_set,
-        "fixed": _held(fix or (), whole),
+        "fixed": held,
         "record": out / RECORD if out else None,
         "resume": resume,
         "threads": threads,
     }
-    what: dict[str, Any] = {"percentile": percentile(statistic), "required": required, "until": until}
     with results_folder(out, FRONT_FILES if objective == "pareto" else FILES, scenario):
         if objective == "pareto":
             _pareto(chosen, law, how, what, out, as_json)
@@ -135,6 +137,7 @@ def _single(
     from detumble.analysis.tuning import tune as search
     from detumble.checking import whole
     from detumble.commands.progress import SearchProgress
+    from detumble.flight import INSIDE
 
     objective = Objective(**what)
     runs = whole("held_out", runs, 0, 10**9)
@@ -154,6 +157,8 @@ def _single(
             f"the best one does in {100 * tuned.success:.1f} % within {tuned.horizon:g} s; --horizon gives them longer, "
             "--required asks for less"
         )
+    if tuned.objective.what == "capture" and tuned.initial_cost == 0.0:
+        remark(f"warning: {INSIDE}, in every start")
     _say(files)
 
 

@@ -100,6 +100,7 @@ def unknown_key(owner: type[Section] | None, name: str, value: Any) -> str:
 
 def _converted(owner: type[Section], name: str, value: Any) -> str:
     """Where the key names a unit: the field, its unit, and the value converted."""
+    from detumble.scenario.dispersions.base import Parameter
     from detumble.scenario.faults import quantity_of
 
     folded = name.lower()
@@ -112,12 +113,15 @@ def _converted(owner: type[Section], name: str, value: Any) -> str:
             quantity = quantity_of(info)
             if quantity is None or stem not in (field, re.sub(r"_(deg)$", "", field)):
                 continue
+            if isinstance(quantity, Parameter):  # of a distribution
+                return f"; did you mean {field}, in the unit of the field that is dispersed?"
             scale, base = _FIELD_UNITS.get(quantity.unit, (1.0, quantity.unit))
             said = f"; did you mean {field}, in {pretty(quantity.unit) or 'pure numbers'}"
             per_second = base == f"{unit}/s"  # a rate typed under the unit of an angle or a length
             number = _times(plain(value), factor / scale) if base == unit or per_second else None
             if number is None:
                 return f"{said}?"
+            ending = name[len(name) - len(ending) :]  # as it was typed: mN, not mn
             given = pretty(ending.replace("_per_", "/").replace("_s2", "/s^2").replace("_s", "/s").replace("_", " "))
             given = re.sub(r"(?<=m)([23])", r"^\1", given) + ("/s" if per_second else "")
             return f"{said}? {shown(value)} {pretty(given)} is {shown(number)} {pretty(quantity.unit)}"
@@ -131,7 +135,8 @@ def _times(value: Any, factor: float) -> Any:
         return None if None in values else values
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
-    return float(f"{value * factor:.6g}")
+    exact = float(f"{math.log10(factor):.9g}").is_integer()  # of such factors no digit is lost
+    return float(f"{value * factor:.{15 if exact else 6}g}")
 
 
 def _symbol(owner: type[Section], name: str) -> str:
@@ -174,22 +179,44 @@ def warnings(scenario: Scenario, law: str | None = None) -> tuple[str, ...]:
     return (*_rates(scenario), *_bodies(scenario), *_distances(scenario), *_exponents(scenario, law))
 
 
+_RATES = ("chaser.rate", "debris.tumble_rate", "capture.rate", "settled.rate", "sensors.rate_sigma")
+
+
 def _rates(scenario: Scenario) -> Iterator[str]:
-    fields = ("chaser.rate", "debris.tumble_rate", "capture.rate", "settled.rate", "sensors.rate_sigma")
-    for path in fields:
-        value = scenario.at(path)
+    for path in (*_RATES, "sensors.attitude_sigma"):
+        value, most = scenario.at(path), LOOSE if path.endswith("attitude_sigma") else FAST
+        unit = "rad" if path.endswith("attitude_sigma") else "rad/s"
         size = math.hypot(*value) if isinstance(value, tuple) else value
-        if size > FAST:
-            yield (
-                f"{path}: {size:.4g} rad/s is {math.degrees(size):.4g} °/s; if degrees were meant: "
-                f"{shown(_times(plain(value), _TURN))} rad/s"
-            )
-    sigma = scenario.sensors.attitude_sigma
-    if sigma > LOOSE:
-        yield (
-            f"sensors.attitude_sigma: {sigma:.4g} rad is {math.degrees(sigma):.4g}°; if degrees were meant: "
-            f"{sigma * _TURN:.4g} rad"
-        )
+        drawn = _drawn(scenario, path)
+        if size > most:
+            meant = shown(_times(plain(value), _TURN))
+            yield f"{path}: {_in_degrees(size, unit)}; if degrees were meant: {meant} {unit}"
+        elif drawn > most:
+            yield f"{path}: draws reach {_in_degrees(drawn, unit)}; bounds and deviations are in {unit}, not in degrees"
+
+
+def _in_degrees(size: float, unit: str) -> str:
+    return f"{size:.4g} {unit} is {math.degrees(size):.4g} {unit.replace('rad', '°')}"
+
+
+def _drawn(scenario: Scenario, path: str) -> float:
+    """Give a size that draws of a field easily reach: the upper bound, or two sigma; 0 where it is not dispersed."""
+    from detumble.scenario.dispersions.fitting import resolved
+
+    for dispersion in scenario.dispersions:
+        if dispersion.field == path:
+            law = resolved(dispersion, scenario.at)[1]["law"]
+            if law["kind"] == "direction":
+                return float(law["magnitude"]["high"])
+            reached = [_easily(element) for element in law["elements"]]
+            return max(reached)
+    return 0.0
+
+
+def _easily(element: dict[str, Any]) -> float:
+    if element["kind"] == "normal":
+        return float(abs(element["mean"]) + 2.0 * element["sigma"])
+    return float(max(abs(element["low"]), abs(element["high"])))
 
 
 def _bodies(scenario: Scenario) -> Iterator[str]:
@@ -215,9 +242,10 @@ def _bodies(scenario: Scenario) -> Iterator[str]:
 
 def _distances(scenario: Scenario) -> Iterator[str]:
     distance = math.hypot(*scenario.chaser.position)
-    text = far_away(distance, scenario)
-    if text:
+    if text := far_away(distance, scenario):
         yield f"chaser.position: {text}"
+    elif text := far_away(_drawn(scenario, "chaser.position"), scenario):
+        yield f"chaser.position: draws reach {text}"
 
 
 def far_away(distance: float, scenario: Scenario) -> str:

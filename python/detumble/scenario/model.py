@@ -9,8 +9,9 @@ import math
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, StrictBool
+from pydantic import BeforeValidator, Field, StrictBool
 
+from detumble.checking import plain
 from detumble.errors import Fault
 from detumble.scenario.accuracy import AUTOMATIC_ERROR, MOST_STEPS
 from detumble.scenario.dispersions import AnyDispersion, Correlation
@@ -24,6 +25,9 @@ MOST_PERIODS = 2_000_000
 
 _ZERO: Vector = (0.0, 0.0, 0.0)
 _IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+
+Switch = Annotated[StrictBool, BeforeValidator(plain)]
 
 
 def whole(count: float) -> bool:
@@ -158,7 +162,7 @@ class Goal(Section):
 
     position: Annotated[Vector, _position("r_des in H, before capture")] | None = None
     position_after_capture: Annotated[Vector, _position("r_des in H of the stack; default: it stays")] | None = None
-    acceleration_feedforward: StrictBool = Field(False, description="with grasp points: the law adds m a_des")
+    acceleration_feedforward: Switch = Field(False, description="with grasp points: the law adds m a_des")
 
 
 class Capture(Section):
@@ -173,7 +177,7 @@ class Capture(Section):
     transition: Literal["approximate", "momentum_conserving"] = Field(
         "approximate", description="the stack takes the chaser's state, or what momentum leaves"
     )
-    merge: StrictBool = Field(True, description="false: the first capture is recorded, the bodies stay two")
+    merge: Switch = Field(True, description="false: the first capture is recorded, the bodies stay two")
 
     @classmethod
     def never(cls) -> Capture:
@@ -264,13 +268,8 @@ def _goal_fault(position: object, chaser: object, debris: object, laws: Laws) ->
     return "must not be given with grasp points: they are the goal" if grasp and position is not None else None
 
 
-def _capture_fault(capture: Capture, laws: Laws) -> str | None:
-    return "missing; needed: a table" if laws.closed_loop and not capture.model_fields_set else None
-
-
-def _actuators_fault(actuators: Actuators, laws: Laws) -> str | None:
-    missing = laws.closed_loop and not actuators.model_fields_set
-    return "missing; needed: a table" if missing else None
+def _needed_fault(table: Section, laws: Laws) -> str | None:
+    return "missing; needed: a table" if laws.closed_loop and not table.model_fields_set else None
 
 
 def _feedforward_fault(feedforward: bool, chaser: object, debris: object) -> str | None:
@@ -319,8 +318,8 @@ class Scenario(Section):
     relations: ClassVar[tuple[Relation, ...]] = (
         Relation("chaser.grasp_point", ("chaser.grasp_point", "debris.grasp_point"), _grasp_fault),
         Relation("goal.position", ("goal.position", "chaser.grasp_point", "debris.grasp_point", "laws"), _goal_fault),
-        Relation("capture", ("capture", "laws"), _capture_fault),
-        Relation("actuators", ("actuators", "laws"), _actuators_fault),
+        Relation("capture", ("capture", "laws"), _needed_fault),
+        Relation("actuators", ("actuators", "laws"), _needed_fault),
         Relation(
             "goal.acceleration_feedforward",
             ("goal.acceleration_feedforward", "chaser.grasp_point", "debris.grasp_point"),

@@ -13,7 +13,10 @@ NORM_SLACK = 1e-3
 LEAST_MOMENT = 1e-9
 """Least principal moment, kg m²: that of a gram a millimetre across. Far below it quotients overflow."""
 TYPED = 1e-3
-"""Rounding of numbers as people type them, relative to the largest: an inertia off by no more is accepted, and made exact."""
+"""Two elements of a tensor that should be equal may differ by this share of the largest; their mean is flown."""
+FLAT = 5e-3
+"""What rounding to three digits, as people type, makes of a flat plate: up to this share of the sum of the others the largest
+moment may exceed it, and becomes their sum."""
 ROUND_OFF = 1e-9
 """Relative error of computed inertias: below it there is nothing to make exact."""
 
@@ -33,7 +36,7 @@ def quaternion_fault(quaternion: Sequence[float]) -> str | None:
 
 
 def inertia_fault(inertia: Sequence[Any], *, rigid: bool = True) -> str | None:
-    """Say why an inertia cannot be a body's, or None. Rounding as people type it (`TYPED`) is no fault.
+    """Say why an inertia cannot be a body's, or None. Rounding as people type it (`TYPED`, `FLAT`) is no fault.
 
     Args:
         inertia: principal moments (3,), or the tensor (3, 3); kg m².
@@ -54,7 +57,7 @@ def inertia_fault(inertia: Sequence[Any], *, rigid: bool = True) -> str | None:
         return "must be " + kind.format(", ".join(f"{moment:.6g}" for moment in moments))
     if moments[0] < LEAST_MOMENT:
         return f"has a principal moment of {moments[0]:.6g}; must be at least {number(LEAST_MOMENT)}"
-    if rigid and _excess(moments) > TYPED:
+    if rigid and _excess(moments) > FLAT:
         others = moments[0] + moments[1]
         return f"the largest principal moment exceeds the sum of the others ({others:.6g}); no rigid body has that"
     return None

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from detumble.scenario.laws import TITLES
+from detumble.show import drawing
 from detumble.show.drawing import load_matplotlib
 from detumble.writing import whole_file
 
@@ -100,7 +101,9 @@ def styled() -> Iterator[None]:
     load_matplotlib()
     import matplotlib.style
 
-    with matplotlib.style.context(["default", _SETTINGS]):
+    with warnings.catch_warnings(), matplotlib.style.context(["default", _SETTINGS]):
+        if drawing.alone:  # what a library remarks of an odd picture says nothing to who runs a command
+            warnings.simplefilter("ignore")
         yield
 
 

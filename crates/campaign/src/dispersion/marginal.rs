@@ -73,7 +73,9 @@ impl Quantile {
             }
             Marginal::Uniform { low, high } => Self { curve: Curve::Uniform { width: high - low }, low, high },
             Marginal::LogUniform { low, high } => {
-                Self { curve: Curve::LogUniform { log_ratio: libm::log(high / low) }, low, high }
+                let ratio = high / low;
+                let log_ratio = if ratio.is_finite() { libm::log(ratio) } else { libm::log(high) - libm::log(low) };
+                Self { curve: Curve::LogUniform { log_ratio }, low, high }
             }
         }
     }
@@ -87,7 +89,11 @@ impl Quantile {
                 self.held(mean + sigma * quantile_between(below, above, u))
             }
             Curve::Uniform { width } => self.held(self.low + width * u),
-            Curve::LogUniform { log_ratio } => self.held(self.low * libm::exp(log_ratio * u)),
+            Curve::LogUniform { log_ratio } if log_ratio < 700.0 => self.held(self.low * libm::exp(log_ratio * u)),
+            Curve::LogUniform { log_ratio } => {
+                let root = libm::exp(0.5 * log_ratio * u); // the whole would overflow
+                self.held(self.low * root * root)
+            }
         }
     }
 

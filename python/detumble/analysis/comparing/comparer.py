@@ -29,9 +29,12 @@ from detumble.analysis.trials import Trials
 from detumble.analysis.tuning import tune
 from detumble.analysis.tuning.gains import mean_acceleration
 from detumble.analysis.tuning.horizon import default_horizon
-from detumble.checking import MOST_SEED, instance, whole
+from detumble.analysis.tuning.space import space_of
+from detumble.checking import MOST_SEED, flag, instance, whole
+from detumble.compiled import check_gains
 from detumble.errors import RequestError
 from detumble.results import results_folder
+from detumble.scenario.core import case
 from detumble.scenario.files import given
 from detumble.scenario.laws import LAWS
 from detumble.scenario.model import Scenario
@@ -71,11 +74,14 @@ def compare(
         RequestError: an argument makes no sense, or the folder cannot be used.
         ScenarioError: the scenario cannot be flown.
     """
-    scenario = given(scenario)
+    scenario, resume = given(scenario), flag("resume", resume)
     plan = Plan() if plan is None else instance("plan", plan, Plan, "a Plan")
     if entries is None:
         entries = entries_of([law for law in LAWS if not plan.as_given or getattr(scenario.laws, law) is not None])
     check_entries(entries, scenario, as_given=plan.as_given)
+    for entry in entries:
+        flown = entry.told(scenario) if plan.as_given else space_of(scenario, entry.law, form=entry.form).base
+        check_gains(scenario.title, case(flown, entry.law))
     if threads is not None:
         whole("threads", threads, 1, 4096)
     folder = named_folder(out, "out") if out is not None else None

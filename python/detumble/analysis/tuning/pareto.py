@@ -25,7 +25,9 @@ from detumble.analysis.tuning.provenance import told
 from detumble.analysis.tuning.record import Record
 from detumble.analysis.tuning.search import STEP, minimise
 from detumble.analysis.tuning.space import space_of
-from detumble.checking import whole
+from detumble.checking import flag, whole
+from detumble.compiled import check_gains
+from detumble.scenario.core import case
 from detumble.scenario.files import given
 from detumble.scenario.model import Scenario
 
@@ -170,11 +172,12 @@ def pareto_front(
     """
     began = time.perf_counter()
     weights = whole("weights", weights, 2, 1000)  # both ends at least
-    scenario = given(scenario)
+    scenario, resume = given(scenario), flag("resume", resume)
     setting = Setting(budget, starts, seed, seed if optimiser_seed is None else optimiser_seed, horizon, threads)
     space = space_of(scenario, law, form=form, stack=stack, fixed=fixed)
     objectives = (Objective(what, percentile, required, until), Objective("delta_v", percentile, required, until))
     objectives[0].end(space.base)
+    check_gains(scenario.title, case(space.base, law))
     horizon = setting.resolved(space.base)
     about = {"objective": asdict(objectives[0]) | {"what": f"pareto, {what}"}, "budget": budget, "weights": weights}
     with Record(record, header(space, setting, horizon, about), resume=resume, budget=budget) as written:

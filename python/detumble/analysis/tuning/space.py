@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from detumble.analysis.tuning.gains import CHANNELS, EXPONENT, Tunable, gains_in, gains_of, natural_of, odd_fraction
 from detumble.campaigns.overlay import overlay
-from detumble.checking import choice, instance, real
+from detumble.checking import choice, flag, instance, real
 from detumble.errors import RequestError
 from detumble.scenario.faults import validated
 from detumble.scenario.laws import EXPONENTS, LAWS, Prrl, Tsmc
@@ -53,6 +53,8 @@ def space_of(
     if form is not None:
         choice("form", form, EXPONENTS)
     choice("law", law, LAWS)
+    if stack is not None:
+        stack = flag("stack", stack)
     if fixed is not None:
         instance("fixed", fixed, dict, "a dict of gains by path")
     raw = copy.deepcopy(scenario.to_dict())
@@ -71,6 +73,7 @@ def space_of(
     tunables = gains_in(law, table)
     known = [tunable.path for tunable in tunables]
     for path, value in (fixed or {}).items():
+        instance("fixed", path, str, "a dict of gains by path")
         if path not in known:
             raise RequestError(f"{path}: is no gain of {law}{did_you_mean(path, known)}; there are {', '.join(known)}")
         if value is not None:

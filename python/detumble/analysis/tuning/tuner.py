@@ -16,8 +16,10 @@ from detumble.analysis.tuning.provenance import told
 from detumble.analysis.tuning.record import Record
 from detumble.analysis.tuning.search import minimise
 from detumble.analysis.tuning.space import space_of
-from detumble.checking import MOST_SEED, instance, whole
+from detumble.checking import MOST_SEED, flag, instance, whole
+from detumble.compiled import check_gains
 from detumble.errors import RequestError
+from detumble.scenario.core import case
 from detumble.scenario.files import given
 from detumble.scenario.model import Scenario
 
@@ -171,11 +173,12 @@ def tune(
         ScenarioError: the scenario cannot be flown.
     """
     began = time.perf_counter()
-    scenario = given(scenario)
+    scenario, resume = given(scenario), flag("resume", resume)
     objective = Objective() if objective is None else instance("objective", objective, Objective, "an Objective")
     setting = Setting(budget, starts, seed, seed if optimiser_seed is None else optimiser_seed, horizon, threads)
     space = space_of(scenario, law, form=form, stack=stack, fixed=fixed)
     objective.end(space.base)
+    check_gains(scenario.title, case(space.base, law))
     horizon = setting.resolved(space.base)
     with Record(
         record, header(space, setting, horizon, {"objective": asdict(objective)}), resume=resume, budget=budget

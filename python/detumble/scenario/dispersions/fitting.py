@@ -70,6 +70,10 @@ def target(path: str, at: At) -> Target:
     section, _, name = path.rpartition(".")
     if section == "belief" and name.startswith("stack_") and at("belief.stack") == "true":
         raise Misfit("field", 'needs belief.stack = "design"; a law that is told the truth has no belief')
+    if path == "orbit.earth_radius" and at("orbit.radius") is not None:
+        raise Misfit("field", "does nothing beside orbit.radius; disperse that")
+    if path == "laws.prrl.alpha" and not _shares_alpha(at):
+        raise Misfit("field", "does nothing: every channel has an alpha of its own; disperse those")
     nominal = at(path)
     if nominal is None and section == "belief":
         nominal = design(name, at)
@@ -78,6 +82,14 @@ def target(path: str, at: At) -> Target:
         rivals = "".join(f" or disperse {section}.{other}" for other in (owner.rivals(name) if owner else ()))
         raise Misfit("field", f"is not given here; give it a value{rivals}")
     return Target(path, quantity, nominal)
+
+
+def _shares_alpha(at: At) -> bool:
+    """Tell whether a channel of PRRL-SMC flies the alpha of the law."""
+    channels = [f"laws.prrl.{channel}" for channel in ("translation", "rotation")]
+    stacks = [f"laws.prrl.stack.{channel}" for channel in ("translation", "rotation")]
+    flown = [*channels, *(stack for stack in stacks if at(stack) is not None)]
+    return any(at(f"{channel}.alpha") is None for channel in flown)
 
 
 def _not_dispersible(path: str) -> str:
