@@ -53,7 +53,7 @@ study: setup ## which law is best after equal tuning: docs/study made anew, abou
 
 test: setup ## every test, Rust and Python
 	cargo test --workspace --exclude detumble-python --locked --quiet
-	$(PY) -m pytest
+	$(PY) -m pytest -n auto --maxprocesses 4 --dist worksteal
 
 lint: setup ## formatting, lints and types
 	cargo fmt --all --check
