@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 import polars as pl
 
-from detumble.campaigns import draws
+from detumble.campaigns import FIGURES, draws
 from detumble.campaigns.inputs import drawn_columns, inputs
 from detumble.campaigns.rows import SUCCEEDED, drawn_names
 from detumble.checking import texts
@@ -74,7 +74,7 @@ def draw(result: CampaignResult, over: Sequence[str], target: float | None) -> l
     rows = rows.select(SUCCEEDED.name, *drawn_columns(rows.collect_schema().names()))
     table = rows.collect()
     varying, _ = inputs(table, scenario)
-    with results_folder(result.folder, ["figures/*.png"]), output_folder(folder):
+    with results_folder(result.folder, FIGURES), output_folder(folder):
         settled = {law: statistics.ecdf("settled_time_s")} if scenario.capture.merge and law != "none" else {}
         files = [
             capture_times({law: statistics.ecdf("capture_time_s")}, settled, caption, folder / "capture-times.png"),

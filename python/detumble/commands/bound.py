@@ -18,8 +18,9 @@ if TYPE_CHECKING:
     from detumble.scenario.model import Scenario
 
 
-FILES = ("bound.json", "bounds.parquet", "scenario.toml", "bound.png", "bound.svg", "*.csv")
-"""Patterns of what is written into --out."""
+TABLES = ("translation.csv", "least_delta_v.csv", "attitude.csv")
+FILES = ("bound.json", "bounds.parquet", "scenario.toml", "bound.png", *TABLES)
+"""Written into --out, as far as there is something to write."""
 
 
 def bound(

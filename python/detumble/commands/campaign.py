@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from detumble.campaigns import FIGURES
 from detumble.commands.arguments import folder, scenario_of
 from detumble.commands.printing import fixed, json_text, print_json, remark, table
 from detumble.errors import RequestError
@@ -16,8 +17,8 @@ if TYPE_CHECKING:
     from detumble.campaigns.statistics import Statistics
     from detumble.scenario.model import Scenario
 
-FILES = ("summary.json", "figures/*.png")
-"""Patterns of what is written into --out beside the runs."""
+FILES = ("summary.json", *FIGURES)
+"""Written into --out beside the runs."""
 DEFAULT_RUNS = 1000
 MOST_RUNS = 1_000_000
 """Unless told otherwise, until the interval is narrow enough."""

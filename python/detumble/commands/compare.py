@@ -63,7 +63,7 @@ def compare(
     from detumble.analysis.comparing.comparer import compare as work
     from detumble.analysis.comparing.plan import Plan
     from detumble.analysis.comparing.report import text_of
-    from detumble.analysis.comparing.result import FILES
+    from detumble.analysis.comparing.result import FIGURES, FILES
     from detumble.analysis.tuning import Objective
     from detumble.flight import INSIDE
     from detumble.results import results_folder
@@ -87,7 +87,7 @@ def compare(
         robust=robust,
         as_given=as_given,
     )
-    with results_folder(out, FILES, scenario, stale=("tuned/*.toml", "figures/*.png")), Stages(out) as stages:
+    with results_folder(out, FILES, scenario, stale=("tuned/*.toml", *FIGURES)), Stages(out) as stages:
         entries = _entries(chosen, laws, entry or [])
         result = work(chosen, entries, plan, out=out, resume=resume, threads=threads, watcher=stages)
         drawn = result.figures(out / "figures") if out else []

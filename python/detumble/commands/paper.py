@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from detumble.flight import Flight
 
 SCENARIO = "paper"
-FILES = ("paper.json", "scenario.toml", "fig*.png", "fig*.svg")
+FILES = ("paper.json", "scenario.toml", "fig[1-9]_*.png", "fig[1-9]_*.svg")
 """Patterns of what is written into --out."""
 
 

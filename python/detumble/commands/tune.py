@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 RECORD = "record.jsonl"
 NUMBERS = "tuning.json"
 FILES = ("scenario.toml", NUMBERS, "convergence.png")
-FRONT_FILES = (NUMBERS, "front.csv", "front.png", "point-*.toml")
+FRONT_FILES = (NUMBERS, "front.csv", "front.png", "point-[0-9]*.toml")
 """Patterns of what is written into --out; the record looks after itself."""
 
 

@@ -44,7 +44,8 @@ OBJECTIVES = {
 """The metric of each objective."""
 PLAN = "plan.json"
 """Says in the folder what is compared."""
-FILES = (PLAN, "comparison.json", "scenario.toml", "tuned/*.toml", "figures/*.png")
+FIGURES = tuple(f"figures/{name}.png" for name in ("capture-times", "pairs", "robustness"))
+FILES = (PLAN, "comparison.json", "scenario.toml", "tuned/*.toml", *FIGURES)
 """Patterns of what a comparison writes, beside the records of its searches."""
 STATISTIC = "statistic"
 """Name of the test of the objective's statistic among those of a pair."""

@@ -34,5 +34,5 @@ def draw(comparison: Comparison, folder: Path) -> list[Path]:
     pictures = {"capture-times": draw_times, "pairs": draw_pairs}
     if comparison.plan.robust:
         pictures["robustness"] = draw_changes
-    with results_folder(folder, ["*.png"]), styled():
+    with results_folder(folder, [f"{name}.png" for name in pictures]), styled():
         return [save(picture(comparison), [folder / f"{name}.png"])[0] for name, picture in pictures.items()]
