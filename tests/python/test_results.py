@@ -229,8 +229,10 @@ def test_a_comparison_does_not_replace_another(tmp_path: Path) -> None:
         assert done.code == 2
         assert "holds" in done.err
         assert state(tmp_path) == before
-    assert call(*compare, "--laws", "pd,prrl", "--resume", cwd=tmp_path).code == 0
-    assert set(state(tmp_path)) == set(before)
+    more = [*compare[: compare.index("--runs")], "--runs", "3", *compare[compare.index("--runs") + 2 :]]
+    for again in (compare, more):
+        assert call(*again, "--laws", "pd,prrl", "--resume", cwd=tmp_path).code == 0
+        assert set(state(tmp_path)) == set(before)
 
 
 LOST = ("--set", "laws.lqr.translation.q_error=1e-300")

@@ -120,13 +120,14 @@ def _begin(folder: Path, scenario: Scenario, entries: Sequence[Entry], plan: Pla
             there = json.loads(read_bytes(path, 2**20))
         except (OSError, ValueError) as error:
             raise RequestError(f"{path}: broken: {error}") from None
-        if there != json.loads(text):
-            differing = [name for name in asked if not isinstance(there, dict) or there.get(name) != asked[name]]
+        known = there if isinstance(there, dict) else {}
+        free = ("runs", "robustness_runs")  # judged anew each time
+        differing = [name for name, value in json.loads(text).items() if name not in free and known.get(name) != value]
+        if differing:
             raise RequestError(f"{folder}: holds another comparison ({', '.join(differing)} differ)")
         if not resume:
             raise RequestError(f"{folder}: holds this comparison already; --resume continues it")
-    else:
-        write_text(path, text)
+    write_text(path, text)
 
 
 class _Work:
