@@ -97,6 +97,8 @@ def real(
         RequestError: it is none, or lies outside.
     """
     number = plain(value)
+    if isinstance(number, int) and abs(number) > 10**300:
+        number = math.inf  # more than a float holds
     fine = isinstance(number, int | float) and not isinstance(number, bool) and unit_of(value) in ("", unit)
     if not fine or not (math.isfinite(number) and above < number and least <= number <= most and number < below):
         bounds = (("greater than", above), ("at least", least), ("less than", below), ("at most", most))

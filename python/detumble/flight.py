@@ -242,7 +242,7 @@ def _divergence(history: Mapping[str, NDArray[np.float64]], metrics: Metrics, st
         return f"a body turned {turn:.2g} rad in an integration step of {step:.4g} s, too far for its rotation to be integrated"
     if len(history["time"]) == 1:
         force, torque = (math.hypot(*history[name][0]) for name in ("force", "torque"))
-        return f"the state left the numbers within the first control period, under {force:.3g} N and {torque:.3g} N m"
+        return f"the state became non-finite within the first control period, under {force:.3g} N and {torque:.3g} N m"
     units = {"position": "m", "velocity": "m/s", "chaser_rate": "rad/s", "debris_rate": "rad/s"}
     last = {name: float(abs(history[name][-1]).max()) for name in units}
     before = {name: float(abs(history[name][-2:][0]).max()) for name in units}

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 _MOST_DIGITS = 20
 """Of the number of a process, which is all that a lock file holds."""
+_ATTEMPTS = 10
+"""To lock a file that others take away meanwhile."""
 
 
 class Lock:
@@ -32,6 +34,27 @@ class Lock:
     def __init__(self, folder: Path, doing: str) -> None:
         self._path = folder / ".lock"
         self._made = not self._path.exists()
+        for _ in range(_ATTEMPTS):
+            descriptor = self._opened()
+            owner = self._file.read(_MOST_DIGITS + 1)
+            if owner and not (owner.isdigit() and len(owner) <= _MOST_DIGITS):
+                self._file.close()
+                raise RequestError(f"{self._path}: not written by detumble, and would be replaced; move it away")
+            if not locked(descriptor):
+                self._file.close()
+                raise RequestError(f"{folder}: another process ({owner.decode()}) is {doing}")
+            with suppress(FileNotFoundError):
+                if os.path.samestat(os.fstat(descriptor), self._path.lstat()):
+                    break
+            self._file.close()  # another process has just taken this one away
+        else:
+            raise RequestError(f"{folder}: other processes are {doing}")
+        with suppress(OSError):
+            self._file.seek(0)
+            self._file.truncate(0)
+            self._file.write(str(os.getpid()).encode())
+
+    def _opened(self) -> int:
         flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
         try:
             descriptor = os.open(self._path, flags, 0o666)
@@ -41,17 +64,7 @@ class Lock:
         if not stat.S_ISREG(os.fstat(descriptor).st_mode):
             self._file.close()
             raise RequestError(f"{self._path}: cannot be written: is no regular file")
-        owner = self._file.read(_MOST_DIGITS + 1)
-        if owner and not (owner.isdigit() and len(owner) <= _MOST_DIGITS):
-            self._file.close()
-            raise RequestError(f"{self._path}: not written by detumble, and would be replaced; move it away")
-        if not locked(descriptor):
-            self._file.close()
-            raise RequestError(f"{folder}: another process ({owner.decode()}) is {doing}")
-        with suppress(OSError):
-            self._file.seek(0)
-            self._file.truncate(0)
-            self._file.write(str(os.getpid()).encode())
+        return descriptor
 
     def close(self, *, forget: bool = False) -> None:
         """Let others in.

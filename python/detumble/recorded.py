@@ -22,7 +22,8 @@ def replay_wrench(flight: Flight | str | os.PathLike[str], *, backend: str | Non
         backend: as in `simulate`; None takes the flight's own.
 
     Returns:
-        The flight, with law, seed and index of the recorded one: to the bit the same if the scenario is.
+        The flight, with law, seed and index of the recorded one: to the bit the same if the scenario is. That of a flight
+        which was broken off without gains has its series, and the metrics and events of a flight that ends there.
 
     Raises:
         ScenarioError: the scenario cannot be flown.

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from detumble.errors import RequestError
 from detumble.locking import locked
-from detumble.writing import before_replacing, leftovers, output_folder, read_bytes, reason
+from detumble.writing import before_replacing, output_folder, read_bytes, reason
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -56,9 +56,6 @@ def results_folder(
             return
         with _alone(folder):
             ledger = _Ledger(folder)
-            for pattern in files:
-                for leftover in leftovers(folder / Path(pattern).parent, Path(pattern).name):
-                    leftover.unlink(missing_ok=True)  # its writer is gone: nobody else writes here
             tokens = _open.set(ledger), before_replacing.set(ledger.enter)
             try:
                 yield
@@ -129,13 +126,22 @@ class _Ledger:
 
     def knows(self, path: Path) -> bool:
         """Tell whether a file is as it was written here."""
-        hashes = self._hashes.get(self._name(path))
-        if hashes is None or not path.is_file():
+        if not path.is_file():
             return False
         try:
-            return _hash(path) in hashes
+            found = _hash(path)
         except OSError:
             return False
+        return found in self._hashes.get(self._name(path), ()) or any(
+            found in other._hashes.get(other._name(path), ()) for other in self._others(path)
+        )
+
+    def _others(self, path: Path) -> Iterator[_Ledger]:
+        """Open the ledgers of other folders that a file lies in: pictures of a comparison may have been drawn apart."""
+        for folder in path.resolve().parents:
+            if folder != self.folder and (folder / LEDGER).is_file():
+                with suppress(RequestError):
+                    yield _Ledger(folder)
 
     def enter(self, path: Path, finished: Path) -> None:
         """Enter a file that is about to be put in place.
@@ -163,7 +169,10 @@ class _Ledger:
         """Remove what was written here before by these patterns, and not now."""
         for path in {path for pattern in patterns for path in self.folder.glob(pattern)}:
             if self._name(path) not in self._written and self.knows(path):
-                path.unlink()
+                try:
+                    path.unlink()
+                except OSError as error:
+                    raise RequestError(f"{path}: cannot be taken away: {reason(error)}") from None
 
     def _name(self, path: Path) -> str:
         found = path.parent.resolve() / path.name

@@ -221,7 +221,7 @@ impl<R: Real> Metrics<R> {
         let label = |so: bool, tick: u64| if_so(so, scene.clock.time_of(tick));
         // Nobody waits for a stack to settle where there is none, or where the flight ends at capture.
         let awaited = merged && plan.end != End::Captured;
-        let final_stack = merged && diverged == NEVER;
+        let final_stack = merged && diverged == NEVER && !no_gains;
         let end_angle = angle(error.attitude.vector().lane(i).norm(), error.attitude.scalar().lane(i));
 
         let flown = self.flown.lane(i);
@@ -232,7 +232,7 @@ impl<R: Real> Metrics<R> {
         let delta_v = own + (impulse - to_capture) * flight.vehicle.inverse_mass.lane(i);
         Summary {
             failure: match () {
-                () if no_gains => failure::NO_GAINS,
+                () if no_gains && (awaited || !captured) => failure::NO_GAINS, // after a capture that is all, none are needed
                 () => self.failure(scene, i, diverged < NEVER, captured, settled || !awaited),
             },
             end_time: label(true, number.lane(i) as u64),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -113,7 +114,7 @@ class CampaignResult:
         runs, at_once, fast = statistics.runs, statistics.captured_at_once, statistics.fast_turns
         if at_once and self.recipe.law != "none":
             found.append(f"{INSIDE}, in {at_once} of {runs} runs" if at_once < runs else f"{INSIDE}, in every run")
-        if fast:
+        if fast and math.isfinite(statistics.summary("largest_rate_rad_s").largest or 0.0):
             rate = statistics.summary("largest_rate_rad_s").largest or 0.0
             duration = self.recipe.parsed.time.duration
             found.append(f"in {fast} of {runs} runs {coarse_step(statistics.inertia, rate, statistics.step, duration)}")

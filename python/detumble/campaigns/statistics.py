@@ -111,13 +111,13 @@ class Statistics:
         """Count the runs of other shards of the same campaign, which were counted elsewhere.
 
         Args:
-            other: of the same control period, step and confidence.
+            other: of the same control period, step, inertia and confidence.
 
         Raises:
             ValueError: a shard is in both, or the two are not of one kind.
         """
-        if (other.confidence, other.step) != (self.confidence, self.step):
-            raise ValueError("statistics of different confidence or step")
+        if (other.confidence, other.step, other.inertia) != (self.confidence, self.step, self.inertia):
+            raise ValueError("statistics of different confidence, step or inertia")
         self._prefixes.merge(other._prefixes)
         for name, histogram in self._histograms.items():
             histogram.merge(other._histograms[name])

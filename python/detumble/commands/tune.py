@@ -99,7 +99,8 @@ def tune(
         "resume": resume,
         "threads": threads,
     }
-    with results_folder(out, FRONT_FILES if objective == "pareto" else FILES, scenario):
+    files = FRONT_FILES if objective == "pareto" else FILES
+    with results_folder(out, files, scenario, stale=files):
         if objective == "pareto":
             _pareto(chosen, law, how, what, out, as_json)
         else:

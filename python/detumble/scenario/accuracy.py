@@ -23,6 +23,7 @@ from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from detumble.scenario.physics import tensor
 from detumble.scenario.wording import shown
 
 MOST_TURN = 0.1
@@ -43,13 +44,12 @@ def principal_moments(inertia: Sequence[Any]) -> list[float]:
     Args:
         inertia: principal moments (3,), or the tensor (3, 3).
     """
-    if not isinstance(inertia[0], Sequence):
-        return sorted(inertia)
-    if not any(inertia[i][j] for i, j in ((0, 1), (0, 2), (1, 2))):
-        return sorted(inertia[i][i] for i in range(3))
+    flown = tensor(inertia)
+    if not any(flown[i][j] for i, j in ((0, 1), (0, 2), (1, 2))):
+        return sorted(flown[i][i] for i in range(3))
     import numpy as np  # only a full tensor needs it
 
-    return [float(moment) for moment in np.linalg.eigvalsh(np.array(inertia))]
+    return [float(moment) for moment in np.linalg.eigvalsh(np.array(flown))]
 
 
 def asymmetry(inertia: Sequence[Any]) -> float:
@@ -132,6 +132,8 @@ def coarse_step(inertia: Sequence[Any], rate: float, step: float, time: float) -
         else "more than can be estimated"
     )
     enough = step / steps(step, sound)
+    if not sound(enough):
+        return f"a body turns at up to {rate:.3g} rad/s: no integration step within reach follows that"
     digit = 10.0 ** (math.floor(math.log10(enough)) - 1)
     return (
         f"a body turns at up to {rate:.3g} rad/s, {rate * step:.2g} rad in an integration step of {step:.4g} s: after "

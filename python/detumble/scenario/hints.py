@@ -118,6 +118,8 @@ def _converted(owner: type[Section], name: str, value: Any) -> str:
             scale, base = _FIELD_UNITS.get(quantity.unit, (1.0, quantity.unit))
             said = f"; did you mean {field}, in {pretty(quantity.unit) or 'pure numbers'}"
             per_second = base == f"{unit}/s"  # a rate typed under the unit of an angle or a length
+            if ending[0] == "m" and factor < 1.0 and name[len(name) - len(ending)] == "M":  # mega, or a slip
+                return f"{said}?"
             number = _times(plain(value), factor / scale) if base == unit or per_second else None
             if number is None:
                 return f"{said}?"
@@ -133,7 +135,7 @@ def _times(value: Any, factor: float) -> Any:
     if isinstance(value, list):
         values = [_times(element, factor) for element in value]
         return None if None in values else values
-    if isinstance(value, bool) or not isinstance(value, int | float):
+    if isinstance(value, bool) or not isinstance(value, int | float) or abs(value) > 10**300:
         return None
     exact = float(f"{math.log10(factor):.9g}").is_integer()  # of such factors no digit is lost
     return float(f"{value * factor:.{15 if exact else 6}g}")

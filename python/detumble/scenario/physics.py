@@ -86,20 +86,19 @@ def made_exact(inertia: Sequence[Any], *, rigid: bool = True) -> str | None:
         inertia: that has no fault.
         rigid: as of `tensor`.
     """
+    said = []
     if isinstance(inertia[0], Sequence):
         scale = max(abs(element) for row in inertia for element in row)
         off = max(abs(inertia[i][j] - inertia[j][i]) for i, j in _PAIRS)
         if off > ROUND_OFF * scale:
-            return f"is symmetric only to {off:.2g} kg m²; the mean of each pair is flown"
-    if not rigid:
-        return None
+            said.append(f"is symmetric only to {off:.2g} kg m²; the mean of each pair is flown")
     moments = _principal(inertia) if isinstance(inertia[0], Sequence) else sorted(inertia)
-    if _excess(moments) > ROUND_OFF:
-        return (
+    if rigid and _excess(moments) > ROUND_OFF:
+        said.append(
             f"has a largest principal moment of {moments[2]:.10g} kg m², more than the sum of the others, which a flat plate "
             f"has; {moments[0] + moments[1]:.10g} kg m² is flown"
         )
-    return None
+    return ", and ".join(said) or None
 
 
 def tensor(inertia: Sequence[Any], *, rigid: bool = True) -> list[list[float]]:

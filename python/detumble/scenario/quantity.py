@@ -149,7 +149,7 @@ class Quantity:
         if self.shape == "odd":
             if isinstance(value, bool) or not isinstance(value, int):
                 raise Refusal("must be a whole odd number")
-            self.range.check(value)
+            self.range.check(float(max(min(value, 10**9), -(10**9))))
             if value % 2 == 0:
                 raise Refusal("must be odd")
             return value

@@ -69,7 +69,8 @@ def detumble_bound(case: Mapping[str, Any], not_before: float = 0.0) -> Detumbli
     pursuit, row = Pursuit.of(case), start_of(case)
     attitude = row[13:17] / np.linalg.norm(row[13:17])
     attitudes, rates = tumble(pursuit.debris_inertia, attitude, row[17:20], pursuit.period, pursuit.periods)
-    first = min(pursuit.periods, max(0, math.floor(not_before / pursuit.period)))
+    count = not_before / pursuit.period
+    first = min(pursuit.periods, max(0, math.floor(count + 1e-9 * max(1.0, count))))  # a whole number despite rounding
     rates = rates[first:]
     against_lvlh = multiply(conjugate(_lvlh(pursuit)), attitudes)[first:]  # q_HD
     turned = 2.0 * np.arctan2(np.linalg.norm(against_lvlh[:, 1:], axis=1), np.abs(against_lvlh[:, 0]))

@@ -38,7 +38,7 @@ from detumble.scenario.core import case
 from detumble.scenario.files import given
 from detumble.scenario.laws import LAWS
 from detumble.scenario.model import Scenario
-from detumble.writing import named_folder, read_bytes, write_text
+from detumble.writing import named_folder, output_folder, read_bytes, write_text
 
 if TYPE_CHECKING:
     import os
@@ -74,6 +74,7 @@ def compare(
         RequestError: an argument makes no sense, or the folder cannot be used.
         ScenarioError: the scenario cannot be flown.
     """
+    source = "" if isinstance(scenario, Scenario) else scenario
     scenario, resume = given(scenario), flag("resume", resume)
     plan = Plan() if plan is None else instance("plan", plan, Plan, "a Plan")
     if entries is None:
@@ -85,7 +86,7 @@ def compare(
     if threads is not None:
         whole("threads", threads, 1, 4096)
     folder = named_folder(out, "out") if out is not None else None
-    with results_folder(folder, FILES):
+    with results_folder(folder, FILES, source):
         if folder is not None:
             _begin(folder, scenario, entries, plan, resume)
         work = _Work(scenario, plan, folder, resume, threads, watcher or Unwatched())
@@ -173,7 +174,8 @@ class _Work:
         plan = self.plan
         record = self.folder / RECORDS / f"{entry.file}-{number}" / "record.jsonl" if self.folder else None
         if record:
-            record.parent.mkdir(parents=True, exist_ok=True)
+            with output_folder(record.parent):
+                pass
         self.watcher.stage(f"{entry.name}: tuning {number + 1} of {plan.tunings}", plan.budget)
         tuned = tune(
             self.scenario,

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import os
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -142,8 +143,11 @@ class Record:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if self._lock:
-            self._file.close()
-            self._lock.close()
+            try:
+                with suppress(OSError):  # what a full disk has not taken was told of
+                    self._file.close()
+            finally:
+                self._lock.close()
 
 
 def _parsed(path: Path, number: int, line: bytes) -> dict[str, Any]:
@@ -157,7 +161,7 @@ def _parsed(path: Path, number: int, line: bytes) -> dict[str, Any]:
                 raise ValueError("is no list of candidates and what they came to")
             if not (np.isfinite(points).all() and np.isfinite(outcomes).all()):
                 raise ValueError("holds what is no number")
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError, OverflowError) as error:
         raise RequestError(f"{path}: line {number}: broken: {error}") from None
     return read
 
