@@ -293,6 +293,8 @@ def test_what_is_no_name_is_refused_everywhere(short: Scenario, result: detumble
         calls[f"resume {bad!r}"] = lambda bad=bad: detumble.campaign(short, "pd", 2, resume=bad)
         if bad is not None:
             calls[f"stack {bad!r}"] = lambda bad=bad: detumble.tune(short, "pd", budget=1, starts=1, stack=bad)
+    calls["more than a float holds"] = lambda: Objective(required=10**400)
+    calls["more than a float holds, in time"] = lambda: detumble.bound(short, within=10**400)
     calls["more than all"] = lambda: Proportion.of(5, 3)
     tried(calls)
 

@@ -174,3 +174,11 @@ def test_no_run_of_many_settles_sooner_than_its_momentum_lets_it(name):
     )  # fmt: skip
     assert least[settled].max() > 1.0
     assert (flown["settling_time"][settled] >= least[settled]).all()
+
+
+def test_a_label_of_a_tick_begins_at_that_tick():
+    numbers = case(detumble.load("paper"), "none")
+    for tick in (3, 56, 76, 999):  # 5.6 / 0.1 is less than 56
+        here, before = (detumble_bound(numbers, float(f"{(tick - less) / 10}")).matched for less in (0, 1))
+        assert here == detumble_bound(numbers, (tick + 0.5) * 0.1).matched
+        assert here >= before

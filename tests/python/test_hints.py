@@ -52,6 +52,17 @@ def test_a_unit_of_another_kind_is_not_converted() -> None:
     assert "is" not in fault_of('[chaser]\nmass_g = "9 kg"\n', "chaser.mass_g").split("?")[1]
 
 
+def test_mega_is_not_taken_for_milli_and_huge_numbers_for_none_at_all() -> None:
+    assert fault_of("[actuators]\nforce_limit_MN = 5\n", "actuators.force_limit_MN").endswith(
+        "did you mean force_limit, in N?"
+    )
+    huge = f"[chaser]\nmass_g = 1{'0' * 400}\n"
+    assert fault_of(huge, "chaser.mass_g").endswith("did you mean mass, in kg?")
+    for setting in (f"laws.tsmc.translation.p=1{'0' * 400}", f"chaser.mass=1{'0' * 400}"):
+        with pytest.raises(detumble.ScenarioError):
+            with_settings(detumble.load("paper"), [setting])
+
+
 def test_every_ending_has_one_meaning() -> None:
     assert all(factor > 0.0 for factor, _ in UNITS.values())
     assert UNITS["deg"][0] == pytest.approx(math.pi / 180.0)

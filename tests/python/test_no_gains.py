@@ -126,3 +126,11 @@ def test_a_campaign_of_which_no_run_can_be_flown_fails_after_it_has_printed(tmp_
     code, printed = call([*shared, "--runs", "1", "--seed", str(seed), "--out", str(tmp_path / "one")])
     assert code == 1
     assert json.loads(printed[printed.index("{") : printed.rindex("}") + 1])["failures"] == {CAUSE: 1}
+
+
+def test_a_flight_that_ends_at_capture_needs_no_gains_of_the_stack(tmp_path: Path) -> None:
+    fields = ("laws.lqr.stack.rotation.q_error", "laws.lqr.stack.rotation.q_rate")
+    result = flown(scenario(*fields, campaign__end="captured"), tmp_path)
+    assert result.statistics.success.count == result.statistics.captured.count == 40
+    table = flown(scenario(*fields), tmp_path / "longer").runs.to_polars()
+    assert table.filter(table["failure"] == CAUSE)["final_rate_rad_s"].is_null().all()
