@@ -290,6 +290,9 @@ def _tell(worker: subprocess.Popen[str], line: str, *, answered: bool = False) -
 
 def serve() -> None:
     """Bound what is asked for, a line of JSON at a time, until nobody asks any more."""
-    job = _Job(**json.loads(sys.stdin.readline()))
+    line = sys.stdin.readline()
+    if not line.endswith("\n"):  # whoever asked is gone
+        return
+    job = _Job(**json.loads(line))
     for line in sys.stdin:
         print(json.dumps(job.answers(np.array(json.loads(line))).tolist()), flush=True)
