@@ -9,7 +9,7 @@ import stat
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-import h5py  # type: ignore[import-untyped]
+import h5py  # type: ignore[import-untyped]  # has no types
 import numpy as np
 import xarray as xr
 from pydantic import TypeAdapter

@@ -42,7 +42,7 @@ def check_dask() -> None:
     from detumble.errors import RequestError
 
     try:
-        import dask  # noqa: F401
+        import dask  # noqa: F401  # to see whether it can be
     except ImportError:
         pass
     except Exception as error:  # of any kind: it lets through what its reader of YAML raises
