@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import datetime
 import json
-import os
 from collections.abc import Callable, Iterator
 from decimal import Decimal
 from pathlib import Path
@@ -390,17 +389,3 @@ def test_numbers_of_numpy_and_xarray_are_numbers(short: Scenario) -> None:
         assert scenario.chaser.mass == 9.0
     scenario.capture.merge = np.bool_(False)
     assert scenario.capture.merge is False
-
-
-def test_a_deleted_folder_is_named(short: Scenario, tmp_path: Path) -> None:
-    gone = tmp_path / "gone"
-    gone.mkdir()
-    here = Path.cwd()
-    os.chdir(gone)
-    try:
-        gone.rmdir()
-        tried(
-            {"campaign": lambda: detumble.campaign(short, "prrl", 2, out="x"), "load": lambda: detumble.load("x.toml")}
-        )
-    finally:
-        os.chdir(here)

@@ -7,6 +7,7 @@ import stat
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import chdir
 from pathlib import Path
 from threading import Thread
 
@@ -151,3 +152,13 @@ def test_depth_of_tables_is_limited() -> None:
     for setting in (f"{deep}=1", f"chaser.{deep}=1", f"laws.prrl.{deep}=1", f"chaser.mass={'[' * 3000}"):
         with pytest.raises(detumble.RequestError):
             detumble.scenario.with_settings(paper, [setting])
+
+
+def test_a_current_folder_that_is_gone_is_one_message(paper: Scenario, tmp_path: Path) -> None:
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    with chdir(gone):
+        gone.rmdir()
+        for use in (lambda: detumble.campaign(paper, "prrl", 2, out="x"), lambda: detumble.load("x.toml")):
+            with pytest.raises(detumble.RequestError):
+                use()
