@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 import detumble
-from detumble.campaigns.recipe import Recipe
-from detumble.campaigns.rows import CAUSES
-from detumble.campaigns.shard import frame_of
-from detumble.campaigns.store import Store
+from detumble.campaigns.runs.recipe import Recipe
+from detumble.campaigns.store.folder import Store
+from detumble.campaigns.store.rows import CAUSES
+from detumble.campaigns.store.shard import frame_of
 
 ROWS = 100
 """In a shard."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import detumble
 from detumble.campaigns.result import CampaignResult
-from detumble.campaigns.shard import digest
+from detumble.campaigns.store.shard import digest
 from detumble.scenario import Scenario
 from detumble.scenario.faults import validated
 

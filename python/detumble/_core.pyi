@@ -33,7 +33,7 @@ def fly_many(
 
     After `cycle` flights the random numbers begin again.
 
-    Gives `final_state` (n, 20), the summary column by column, `failure` (see `campaigns.rows`), and how many `ticks` the
+    Gives `final_state` (n, 20), the summary column by column, `failure` (see `campaigns.store.rows`), and how many `ticks` the
     flights took of the `lane_ticks` that the lanes went through.
     """
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
-from detumble.campaigns.rows import NO_GAINS, cause
+from detumble.campaigns.store.rows import NO_GAINS, cause
 from detumble.checking import MOST_SEED, whole
 from detumble.compiled import checked_backend, core
 from detumble.errors import ScenarioError

@@ -14,7 +14,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import detumble
-from detumble.campaigns.draws import draw, drawn_scenario
+from detumble.campaigns.runs.draws import draw, drawn_scenario
 from detumble.errors import ScenarioError
 from detumble.scenario import Scenario, from_toml, with_settings
 from detumble.scenario.accuracy import ANY_BODY, AUTOMATIC_ERROR, MOST_STEPS, asymmetry, attitude_error, coarse_step

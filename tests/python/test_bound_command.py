@@ -17,7 +17,7 @@ from detumble.analysis.bounds.fuel import delta_v_lower
 from detumble.analysis.bounds.pursuit import Pursuit
 from detumble.analysis.bounds.runs import all_bounds, capture_bounds
 from detumble.analysis.trials import Trials
-from detumble.campaigns.draws import drawn_scenario
+from detumble.campaigns.runs.draws import drawn_scenario
 from detumble.scenario.core import case
 from detumble.scenario.files import with_settings
 from detumble.workload import start_columns

@@ -19,8 +19,8 @@ from scipy.stats import binomtest
 
 import detumble
 from detumble.campaigns.result import read_campaign
-from detumble.campaigns.rows import SCALARS
-from detumble.campaigns.shard import digest
+from detumble.campaigns.store.rows import SCALARS
+from detumble.campaigns.store.shard import digest
 from detumble.cli import main
 from detumble.errors import RequestError
 from uncertain import flown, rows_digest, uncertain

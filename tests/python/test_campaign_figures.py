@@ -13,11 +13,11 @@ import pytest
 from matplotlib.collections import PolyCollection, QuadMesh
 from matplotlib.colors import to_hex
 
-from detumble.campaigns.convergence import Convergence
-from detumble.campaigns.intervals import Proportion, clopper_pearson, dkw_half_width
-from detumble.campaigns.rows import CAUSES
-from detumble.campaigns.sensitivity import Influence, Sensitivity
-from detumble.campaigns.summaries import Ecdf
+from detumble.campaigns.statistics.convergence import Convergence
+from detumble.campaigns.statistics.intervals import Proportion, clopper_pearson, dkw_half_width
+from detumble.campaigns.statistics.sensitivity import Influence, Sensitivity
+from detumble.campaigns.statistics.summaries import Ecdf
+from detumble.campaigns.store.rows import CAUSES
 from detumble.errors import RequestError
 from detumble.show.campaign import Caption, Trace, failures
 from detumble.show.campaign import causes as causes_page

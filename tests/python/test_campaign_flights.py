@@ -12,8 +12,8 @@ from scipy.linalg import expm
 
 import detumble
 from detumble.campaigns.result import CampaignResult, read_campaign
-from detumble.campaigns.rows import CAUSES, SCALARS
-from detumble.campaigns.shard import digest
+from detumble.campaigns.store.rows import CAUSES, SCALARS
+from detumble.campaigns.store.shard import digest
 from detumble.compiled import core
 from detumble.errors import RequestError
 from detumble.flight import Flight

@@ -13,12 +13,12 @@ import pytest
 
 import detumble
 from detumble.campaigns.campaign import Unwatched
-from detumble.campaigns.cluster import fly_shard
-from detumble.campaigns.flying import fly_runs
-from detumble.campaigns.recipe import Recipe
 from detumble.campaigns.result import CampaignResult
-from detumble.campaigns.shard import digest, frame_of
-from detumble.campaigns.statistics import Statistics
+from detumble.campaigns.runs.cluster import fly_shard
+from detumble.campaigns.runs.flying import fly_runs
+from detumble.campaigns.runs.recipe import Recipe
+from detumble.campaigns.statistics.statistics import Statistics
+from detumble.campaigns.store.shard import digest, frame_of
 from detumble.compiled import core
 from detumble.errors import RequestError
 from detumble.scenario import LAWS
@@ -148,7 +148,7 @@ def test_a_cluster_stops_where_this_process_would(cluster: Any, tmp_path: Path) 
 
 def test_a_scheduler_that_is_not_there_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("detumble.campaigns.cluster._CONNECT_SECONDS", 0.5)
+    monkeypatch.setattr("detumble.campaigns.runs.cluster._CONNECT_SECONDS", 0.5)
     for address in ("tcp://127.0.0.1:9", "nowhere"):
         with pytest.raises(RequestError, match=f"scheduler {address}: cannot be reached"):
             flown(tmp_path / "out", scheduler=address)
@@ -171,7 +171,7 @@ def test_a_cluster_that_breaks_down_is_told_and_the_campaign_can_be_continued(
     reference: CampaignResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     dask, distributed = (pytest.importorskip(name) for name in ("dask", "distributed"))
-    monkeypatch.setattr("detumble.campaigns.cluster._CONNECT_SECONDS", 1)
+    monkeypatch.setattr("detumble.campaigns.runs.cluster._CONNECT_SECONDS", 1)
     kept = "the shards that are complete are kept, and --resume continues"
     with (
         distributed.LocalCluster(n_workers=1, processes=False, silence_logs=50, **QUIET) as cluster,

@@ -10,10 +10,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import detumble
-from detumble.campaigns import sensitivity
-from detumble.campaigns.inputs import START_ERROR, drawn_columns, inputs, rotation_vector
-from detumble.campaigns.rows import CAUSES, INDEX, RESULTS
-from detumble.campaigns.sensitivity import sensitivities
+from detumble.campaigns.statistics import sensitivity
+from detumble.campaigns.statistics.inputs import START_ERROR, drawn_columns, inputs, rotation_vector
+from detumble.campaigns.statistics.sensitivity import sensitivities
+from detumble.campaigns.store.rows import CAUSES, INDEX, RESULTS
 from detumble.errors import RequestError
 
 SCENARIO = detumble.load("paper")

@@ -13,10 +13,10 @@ import polars as pl
 import pytest
 
 from campaign_folders import ROWS, begin, child, flip, fly, rows
-from detumble.campaigns import shard as shards
-from detumble.campaigns.rows import CAUSES
-from detumble.campaigns.shard import Damage, column, decode, digest, encode, frame_of, rows_in
-from detumble.campaigns.store import Store
+from detumble.campaigns.store import shard as shards
+from detumble.campaigns.store.folder import Store
+from detumble.campaigns.store.rows import CAUSES
+from detumble.campaigns.store.shard import Damage, column, decode, digest, encode, frame_of, rows_in
 
 
 @pytest.fixture

@@ -10,12 +10,12 @@ import polars as pl
 import pytest
 from scipy.stats import binom, binomtest
 
-from detumble.campaigns.convergence import Prefixes
-from detumble.campaigns.intervals import Proportion, clopper_pearson, quantile_ranks
-from detumble.campaigns.rows import CAUSES, RESULTS
-from detumble.campaigns.sketch import ACCURACY
-from detumble.campaigns.statistics import EXTENTS, TIMES, Statistics
-from detumble.campaigns.summaries import PERCENTS
+from detumble.campaigns.statistics.convergence import Prefixes
+from detumble.campaigns.statistics.intervals import Proportion, clopper_pearson, quantile_ranks
+from detumble.campaigns.statistics.sketch import ACCURACY
+from detumble.campaigns.statistics.statistics import EXTENTS, TIMES, Statistics
+from detumble.campaigns.statistics.summaries import PERCENTS
+from detumble.campaigns.store.rows import CAUSES, RESULTS
 
 PERIOD = 0.1
 SHARD = 1000

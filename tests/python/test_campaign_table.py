@@ -14,12 +14,12 @@ import pytest
 import xarray as xr
 
 from campaign_folders import ODD, ROWS, begin, fly, rows
-from detumble.campaigns import table
-from detumble.campaigns.recipe import Recipe
-from detumble.campaigns.rows import CAUSES, INDEX, RESULTS
-from detumble.campaigns.shard import frame_of
-from detumble.campaigns.store import Store
-from detumble.campaigns.table import Runs
+from detumble.campaigns.runs.recipe import Recipe
+from detumble.campaigns.store import table
+from detumble.campaigns.store.folder import Store
+from detumble.campaigns.store.rows import CAUSES, INDEX, RESULTS
+from detumble.campaigns.store.shard import frame_of
+from detumble.campaigns.store.table import Runs
 from detumble.errors import RequestError
 
 

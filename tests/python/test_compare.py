@@ -24,7 +24,7 @@ from detumble.analysis.comparing.robustness import sweeps_of
 from detumble.analysis.trials import Trials
 from detumble.analysis.tuning import Objective
 from detumble.analysis.tuning.objective import What
-from detumble.campaigns.draws import drawn_scenario
+from detumble.campaigns.runs.draws import drawn_scenario
 from detumble.cli import main
 from detumble.commands.compare import Stages
 from detumble.errors import RequestError

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy import special, stats
 from scipy.spatial.transform import Rotation
 
-from detumble.campaigns.draws import draw
+from detumble.campaigns.runs.draws import draw
 from detumble.scenario import Scenario, load
 from detumble.scenario.faults import validated
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import detumble
-from detumble.campaigns.draws import draw, drawn_scenario, spec
+from detumble.campaigns.runs.draws import draw, drawn_scenario, spec
 from detumble.compiled import core
 from detumble.errors import ScenarioError
 from detumble.scenario import Scenario, from_toml, load, with_settings

@@ -11,7 +11,7 @@ import pytest
 
 import detumble
 from detumble.campaigns.result import CampaignResult
-from detumble.campaigns.rows import NO_GAINS, cause
+from detumble.campaigns.store.rows import NO_GAINS, cause
 from detumble.errors import ScenarioError
 from detumble.scenario import Scenario
 from detumble.scenario.faults import validated

@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import detumble
-from detumble.campaigns.draws import draw
+from detumble.campaigns.runs.draws import draw
 from detumble.errors import RequestError
 from detumble.scenario import Scenario, from_toml, with_settings
 from detumble.scenario.dispersions import DISTRIBUTIONS

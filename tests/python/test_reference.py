@@ -11,8 +11,8 @@ import pytest
 import typer
 
 import detumble
-from detumble.campaigns.rows import CAUSES, THRESHOLDS
-from detumble.campaigns.statistics import EXTENTS, TIMES
+from detumble.campaigns.statistics.statistics import EXTENTS, TIMES
+from detumble.campaigns.store.rows import CAUSES, THRESHOLDS
 from detumble.commands.app import app
 from detumble.metrics import METRICS
 from detumble.scenario import LAWS, with_settings

@@ -19,7 +19,7 @@ from detumble.analysis.tuning.gains import gains_of
 from detumble.analysis.tuning.horizon import default_horizon
 from detumble.analysis.tuning.search import minimise
 from detumble.analysis.tuning.space import space_of
-from detumble.campaigns.draws import drawn_scenario
+from detumble.campaigns.runs.draws import drawn_scenario
 from detumble.errors import RequestError, ScenarioError
 from detumble.scenario import LAWS, Scenario, from_toml
 from detumble.scenario.faults import validated

@@ -10,7 +10,7 @@ import pytest
 import detumble
 from detumble.analysis.trials import Results
 from detumble.analysis.tuning.objective import Objective
-from detumble.campaigns.rows import CODES, DIVERGED, DWELL_MISSED, NEVER_CAPTURED, NOT_SETTLED
+from detumble.campaigns.store.rows import CODES, DIVERGED, DWELL_MISSED, NEVER_CAPTURED, NOT_SETTLED
 from detumble.errors import RequestError
 
 CEILING = 100.0

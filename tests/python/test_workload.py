@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 import detumble
-from detumble.campaigns.draws import draw
+from detumble.campaigns.runs.draws import draw
 from detumble.workload import random_starts, start_columns, workload
 
 Array = NDArray[np.float64]

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from detumble.campaigns.crews import available_threads
-from detumble.campaigns.draws import draw
-from detumble.campaigns.overlay import overlay
-from detumble.campaigns.rows import SUCCESS
+from detumble.campaigns.runs.draws import draw
+from detumble.campaigns.runs.overlay import overlay
+from detumble.campaigns.runs.workers import available_threads
+from detumble.campaigns.store.rows import SUCCESS
 from detumble.compiled import core
 from detumble.errors import ScenarioError
 from detumble.scenario.core import case, ticks
@@ -53,7 +53,7 @@ class Results:
     """What came of a trial; every array is (candidates, runs).
 
     Attributes:
-        failure: the core's code of why a run failed, see `campaigns.rows`; 0 is a success.
+        failure: the core's code of why a run failed, see `campaigns.store.rows`; 0 is a success.
         columns: the core's summary, by its name there: `capture_time`, `delta_v`, …; NaN where it did not happen.
     """
 

@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import polars as pl
 
-from detumble.campaigns.crews import Threads
-from detumble.campaigns.recipe import SHARD, Recipe, arithmetic
 from detumble.campaigns.result import CampaignResult, Effort
-from detumble.campaigns.shard import frame_of
-from detumble.campaigns.statistics import Statistics
-from detumble.campaigns.store import Store
+from detumble.campaigns.runs.recipe import SHARD, Recipe, arithmetic
+from detumble.campaigns.runs.workers import Threads
+from detumble.campaigns.statistics.statistics import Statistics
+from detumble.campaigns.store.folder import Store
+from detumble.campaigns.store.shard import frame_of
 from detumble.checking import MOST_SEED, flag, met, plain, whole
 from detumble.compiled import check_gains, checked_backend
 from detumble.errors import RequestError
@@ -32,8 +32,8 @@ from detumble.writing import named_folder, reason
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from detumble.campaigns.crews import Crew, Promise
-    from detumble.campaigns.flying import Flown
+    from detumble.campaigns.runs.flying import Flown
+    from detumble.campaigns.runs.workers import Crew, Promise
     from detumble.scenario.model import Scenario
 
 _PATIENCE = 0.1
@@ -147,7 +147,7 @@ def _half_width(value: Any) -> float:
 def _crew(threads: int | None, scheduler: str | None, local_cluster: int | None, backend: str | None) -> Crew:
     if scheduler is None and local_cluster is None:
         return Threads(threads, checked_backend(backend))
-    from detumble.campaigns.cluster import Cluster
+    from detumble.campaigns.runs.cluster import Cluster
 
     return Cluster(scheduler, local_cluster, backend)
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from detumble.campaigns.statistics import Statistics
-from detumble.campaigns.store import Store
+from detumble.campaigns.statistics.statistics import Statistics
+from detumble.campaigns.store.folder import Store
 from detumble.errors import RequestError
 from detumble.flight import INSIDE, cut_off
 from detumble.scenario.accuracy import coarse_step
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from detumble.campaigns.recipe import Recipe
-    from detumble.campaigns.sensitivity import Sensitivity
-    from detumble.campaigns.table import Runs
+    from detumble.campaigns.runs.recipe import Recipe
+    from detumble.campaigns.statistics.sensitivity import Sensitivity
+    from detumble.campaigns.store.table import Runs
     from detumble.flight import Flight
 
 
@@ -129,7 +129,7 @@ class CampaignResult:
     @cached_property
     def runs(self) -> Runs:
         """The table of runs: `lazy()`, `to_polars()`, `to_pandas()`, `to_xarray()`."""
-        from detumble.campaigns.table import Runs  # brings xarray and pandas
+        from detumble.campaigns.store.table import Runs  # brings xarray and pandas
 
         return Runs(self.store, self.statistics.runs)
 
@@ -143,7 +143,7 @@ class CampaignResult:
         Raises:
             RequestError: there is no such run.
         """
-        from detumble.campaigns.flying import checked_index, fly_again
+        from detumble.campaigns.runs.flying import checked_index, fly_again
 
         return fly_again(self.recipe, checked_index(index, self.statistics.runs), backend=backend)
 
@@ -156,7 +156,7 @@ class CampaignResult:
         Raises:
             RequestError: SALib is not installed.
         """
-        from detumble.campaigns.sensitivity import sensitivities
+        from detumble.campaigns.statistics.sensitivity import sensitivities
 
         return sensitivities(self.runs.lazy(), self.recipe.parsed)
 
@@ -173,7 +173,7 @@ class CampaignResult:
         Raises:
             RequestError: there are no such inputs, SALib is not installed, or a file cannot be written.
         """
-        from detumble.campaigns.pictures import draw
+        from detumble.show.campaign.pictures import draw
 
         return draw(self, over, target)
 

@@ -14,7 +14,7 @@ from detumble.commands.printing import fixed, table
 
 if TYPE_CHECKING:
     from detumble.analysis.comparing.result import Comparison, Judged, Pair
-    from detumble.campaigns.summaries import Quantile
+    from detumble.campaigns.statistics.summaries import Quantile
 
 METRIC_TITLES = {
     "failed": ("share of runs that fail", "%", 2, 100.0),

@@ -12,7 +12,7 @@ from detumble import __version__
 from detumble.analysis.trials import Trials
 from detumble.analysis.tuning.gains import mean_acceleration
 from detumble.analysis.tuning.horizon import default_horizon
-from detumble.campaigns.recipe import arithmetic
+from detumble.campaigns.runs.recipe import arithmetic
 from detumble.checking import MOST_SEED, real, wholes
 
 if TYPE_CHECKING:

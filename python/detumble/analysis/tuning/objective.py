@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from detumble.campaigns.rows import DIVERGED, DWELL_MISSED, NEVER_CAPTURED, NO_GAINS, NOT_SETTLED
+from detumble.campaigns.store.rows import DIVERGED, DWELL_MISSED, NEVER_CAPTURED, NO_GAINS, NOT_SETTLED
 from detumble.checking import choice, real
 from detumble.errors import RequestError
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from detumble.analysis.tuning.gains import CHANNELS, EXPONENT, Tunable, gains_in, gains_of, natural_of, odd_fraction
-from detumble.campaigns.overlay import overlay
+from detumble.campaigns.runs.overlay import overlay
 from detumble.checking import choice, flag, instance, real
 from detumble.errors import RequestError
 from detumble.scenario.faults import validated

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from detumble.campaigns.sensitivity import Sensitivity
+    from detumble.campaigns.statistics.sensitivity import Sensitivity
 
 MOST = 20
 """Parameters shown; the others are counted."""

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from detumble.campaigns.convergence import Convergence
+    from detumble.campaigns.statistics.convergence import Convergence
 
 SHOWN = 15.0
 """Final half widths that are shown on either side of the final estimate: early intervals may leave the picture."""
@@ -66,7 +66,7 @@ def draw_convergence(curve: Convergence, caption: Caption, target: float | None 
 
 
 def _estimate(axes: Axes, curve: Convergence, caption: Caption) -> None:
-    from detumble.campaigns.intervals import Proportion
+    from detumble.campaigns.statistics.intervals import Proportion
 
     low, high = float(curve.low[-1]), float(curve.high[-1])
     axes.axhspan(low, high, color=PALE, linewidth=0.0, zorder=0.5)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from detumble.campaigns.summaries import Ecdf
+    from detumble.campaigns.statistics.summaries import Ecdf
 
 SIZE = (11.0, 5.0)
 """Inches, without the table."""
@@ -117,7 +117,7 @@ def _distribution(axes: Axes, captured: Mapping[str, Ecdf], settled: Mapping[str
 
 def _remainder(axes: Axes, captured: Mapping[str, Ecdf], settled: Mapping[str, Ecdf], runs: int) -> None:
     """One minus the distribution, in decades: there rare failures and long tails show."""
-    from detumble.campaigns.intervals import Proportion
+    from detumble.campaigns.statistics.intervals import Proportion
 
     least = min(0.3 / runs, 0.03)
     axes.set_yscale("log")
@@ -179,7 +179,7 @@ def _heads(event: str) -> list[str]:
 
 
 def _said(curve: Ecdf, runs: int) -> list[str]:
-    from detumble.campaigns.intervals import Proportion
+    from detumble.campaigns.statistics.intervals import Proportion
 
     times = [time_of(curve, share) for share in MARKED]
     never = percent(Proportion.of(_never(curve, runs), runs))

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from detumble.campaigns.flying import Flown, fly_runs
-from detumble.campaigns.recipe import Recipe
+from detumble.campaigns.runs.flying import Flown, fly_runs
+from detumble.campaigns.runs.recipe import Recipe
 from detumble.checking import instance
 from detumble.errors import RequestError
 from detumble.surroundings import check_dask
@@ -23,7 +23,7 @@ from detumble.writing import reason
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from detumble.campaigns.crews import Promise
+    from detumble.campaigns.runs.workers import Promise
 
 WORKER_LOSSES = 1000
 """Workers that may die over one shard before it is given up; Dask's own default is 3."""

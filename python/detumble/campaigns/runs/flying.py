@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from detumble.campaigns.draws import draw, drawn_scenario
-from detumble.campaigns.overlay import overlay
-from detumble.campaigns.recipe import WIDE, arithmetic
-from detumble.campaigns.rows import (
+from detumble.campaigns.runs.draws import draw, drawn_scenario
+from detumble.campaigns.runs.overlay import overlay
+from detumble.campaigns.runs.recipe import WIDE, arithmetic
+from detumble.campaigns.store.rows import (
     CODES,
     END_TIME,
     FAILURE,
@@ -30,7 +30,7 @@ from detumble.scenario.dispersions.fitting import fields
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from detumble.campaigns.recipe import Recipe
+    from detumble.campaigns.runs.recipe import Recipe
     from detumble.flight import Flight
 
 _CAUSES = np.full(max(CODES) + 1, None, dtype=object)

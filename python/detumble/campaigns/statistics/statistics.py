@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import polars as pl
 
-from detumble.campaigns.convergence import Convergence, Prefixes
-from detumble.campaigns.intervals import Proportion
-from detumble.campaigns.rows import CAUSES, DIVERGED, NO_GAINS, SCALARS, cause
-from detumble.campaigns.sketch import Histogram, LogHistogram, TickHistogram
-from detumble.campaigns.summaries import Ecdf, Summary
+from detumble.campaigns.statistics.convergence import Convergence, Prefixes
+from detumble.campaigns.statistics.intervals import Proportion
+from detumble.campaigns.statistics.sketch import Histogram, LogHistogram, TickHistogram
+from detumble.campaigns.statistics.summaries import Ecdf, Summary
+from detumble.campaigns.store.rows import CAUSES, DIVERGED, NO_GAINS, SCALARS, cause
 from detumble.checking import choice
 from detumble.scenario.accuracy import inaccurate
 from detumble.scenario.step import integration_step, worst_body
@@ -23,7 +23,7 @@ from detumble.scenario.step import integration_step, worst_body
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from detumble.campaigns.intervals import Array
+    from detumble.campaigns.statistics.intervals import Array
     from detumble.scenario.model import Scenario
 
 TIMES = ("capture_time_s", "settling_time_s", "settled_time_s")

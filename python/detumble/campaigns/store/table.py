@@ -11,8 +11,8 @@ import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
-from detumble.campaigns.rows import CAUSES, FAILURE
-from detumble.campaigns.shard import CAUSE, KINDS, Damage, codes, column, rows_in, values
+from detumble.campaigns.store.rows import CAUSES, FAILURE
+from detumble.campaigns.store.shard import CAUSE, KINDS, Damage, codes, column, rows_in, values
 from detumble.errors import RequestError
 from detumble.surroundings import check_dask, check_polars
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
     from numpy.typing import NDArray
 
-    from detumble.campaigns.store import Store
+    from detumble.campaigns.store.folder import Store
 
 
 class Runs:

@@ -6,10 +6,10 @@ import os
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Protocol
 
-from detumble.campaigns.flying import Flown, fly_runs
+from detumble.campaigns.runs.flying import Flown, fly_runs
 
 if TYPE_CHECKING:
-    from detumble.campaigns.recipe import Recipe
+    from detumble.campaigns.runs.recipe import Recipe
 
 
 class Promise(Protocol):

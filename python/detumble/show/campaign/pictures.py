@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 import polars as pl
 
-from detumble.campaigns import FIGURES, draws
-from detumble.campaigns.inputs import drawn_columns, inputs
-from detumble.campaigns.rows import SUCCEEDED, drawn_names
+from detumble.campaigns import FIGURES
+from detumble.campaigns.runs import draws
+from detumble.campaigns.statistics.inputs import drawn_columns, inputs
+from detumble.campaigns.store.rows import SUCCEEDED, drawn_names
 from detumble.checking import texts
 from detumble.errors import RequestError
 from detumble.results import results_folder
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from detumble.campaigns.result import CampaignResult
-    from detumble.campaigns.sensitivity import Sensitivity
+    from detumble.campaigns.statistics.sensitivity import Sensitivity
     from detumble.scenario.model import Scenario
 
 Array: TypeAlias = "NDArray[np.float64]"

@@ -24,8 +24,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import polars as pl
 
-from detumble.campaigns.inputs import drawn_columns, inputs
-from detumble.campaigns.rows import FAILURE, INDEX, SUCCEEDED
+from detumble.campaigns.statistics.inputs import drawn_columns, inputs
+from detumble.campaigns.store.rows import FAILURE, INDEX, SUCCEEDED
 from detumble.errors import RequestError
 
 if TYPE_CHECKING:

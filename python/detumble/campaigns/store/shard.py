@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import polars as pl
 
-from detumble.campaigns.rows import CAUSES, FAILURE, INDEX, RESULTS, Column
+from detumble.campaigns.store.rows import CAUSES, FAILURE, INDEX, RESULTS, Column
 from detumble.scenario.faults import quantity_of, section_at
 from detumble.scenario.model import Scenario
 from detumble.surroundings import check_polars

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from detumble.analysis.bounds.tumble import conjugate, multiply
-from detumble.campaigns.rows import COMPONENTS, INDEX, RESULTS
+from detumble.campaigns.store.rows import COMPONENTS, INDEX, RESULTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

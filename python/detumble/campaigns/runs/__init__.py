@@ -1,0 +1,1 @@
+"""Runs of a campaign: what is drawn, what the core flies, on which workers."""

@@ -1,0 +1,1 @@
+"""What a campaign says: intervals, quantiles, sensitivity, convergence."""

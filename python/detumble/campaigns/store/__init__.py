@@ -1,0 +1,1 @@
+"""The folder of a campaign: manifest, shards of rows, the table over them."""
