@@ -1,7 +1,7 @@
 //! What a fleet flies: one recipe, and the numbers in which its flights differ.
 
 use detumble_core::case::FlightRecipe;
-use detumble_core::scene::{Common, Laws, Numbers, Sortie};
+use detumble_core::scene::{Common, Laws, Numbers, PreparedFlight};
 
 /// Numbers of each flight that stand in place of the recipe's, row by row.
 #[derive(Clone, Debug)]
@@ -55,7 +55,7 @@ impl<'a> Fleet<'a> {
     }
 
     /// Flight i, ready to be flown.
-    pub fn sortie(&self, i: usize) -> Sortie {
+    pub fn prepared(&self, i: usize) -> PreparedFlight {
         let mut recipe = self.recipe.clone();
         for Column { path, values } in &self.columns {
             let numbers = recipe.field(path).expect("checked when the fleet was made");
@@ -63,8 +63,8 @@ impl<'a> Fleet<'a> {
             numbers.copy_from_slice(&values[i * width..(i + 1) * width]);
         }
         match &self.laws {
-            Some(laws) => Sortie { numbers: Numbers::new(&recipe.case, &recipe.plan), laws: laws.clone() },
-            None => Sortie::new(&recipe),
+            Some(laws) => PreparedFlight { numbers: Numbers::new(&recipe.case, &recipe.plan), laws: laws.clone() },
+            None => PreparedFlight::new(&recipe),
         }
     }
 }

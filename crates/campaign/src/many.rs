@@ -3,10 +3,10 @@
 use crate::fleet::Fleet;
 use detumble_core::batch::Batch;
 use detumble_core::case::Motion;
-use detumble_core::closed_loop::{Flight, Observer, Relief, fly};
+use detumble_core::closed_loop::{Flight, Observer, Refill, fly};
 use detumble_core::metrics::{Impulse, Metrics, Summary};
 use detumble_core::number::{Backend, Job, Mask, Real, Stream, dispatch};
-use detumble_core::scene::{Scene, Sortie};
+use detumble_core::scene::{PreparedFlight, Scene};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// How a fleet is flown. Seed and first index name the random numbers; of all else only whether the back end is portable or
@@ -134,10 +134,10 @@ impl Crew<'_> {
         let Some(first) = self.claim() else {
             return Haul { flights: Vec::new(), ticks: 0, lane_ticks: 0 };
         };
-        let idle = self.fleet.sortie(first);
+        let idle = self.fleet.prepared(first);
         let mut scene = Scene::<R>::new(&self.fleet.recipe().plan, self.fleet.common(), &idle);
         let mut flight = Batch::<R>::same(&idle.start());
-        let mut dice = Stream::new(self.operation.seed, |_| self.operation.stream(first));
+        let mut noise = Stream::new(self.operation.seed, |_| self.operation.stream(first));
         let mut observer = O::same(&O::One::default());
         let mut aboard = vec![None; R::LANES];
         aboard[0] = Some(first);
@@ -145,9 +145,9 @@ impl Crew<'_> {
         let mut roster = Roster { crew: self, read, idle, aboard, haul };
         for lane in 1..R::LANES {
             roster.aboard[lane] = self.claim();
-            roster.board(lane, &mut scene, &mut flight, &mut dice);
+            roster.board(lane, &mut scene, &mut flight, &mut noise);
         }
-        fly(&mut scene, &mut flight, &mut dice, &mut observer, &mut roster);
+        fly(&mut scene, &mut flight, &mut noise, &mut observer, &mut roster);
         roster.haul
     }
 }
@@ -157,7 +157,7 @@ struct Roster<'a, T, F> {
     crew: &'a Crew<'a>,
     read: F,
     /// What a lane without a flight flies, in vain.
-    idle: Sortie,
+    idle: PreparedFlight,
     /// Flight of each lane.
     aboard: Vec<Option<usize>>,
     haul: Haul<T>,
@@ -165,16 +165,16 @@ struct Roster<'a, T, F> {
 
 impl<T, F> Roster<'_, T, F> {
     /// Puts a lane's flight at its start.
-    fn board<R: Real>(&self, lane: usize, scene: &mut Scene<R>, flight: &mut Flight<R>, dice: &mut Stream<R>) {
-        let claimed = self.aboard[lane].map(|i| self.crew.fleet.sortie(i));
-        let sortie = claimed.as_ref().unwrap_or(&self.idle);
-        scene.put(lane, sortie);
-        flight.put(lane, &sortie.start());
-        dice.set_lane(lane, self.crew.operation.stream(self.aboard[lane].unwrap_or(0)));
+    fn board<R: Real>(&self, lane: usize, scene: &mut Scene<R>, flight: &mut Flight<R>, noise: &mut Stream<R>) {
+        let claimed = self.aboard[lane].map(|i| self.crew.fleet.prepared(i));
+        let prepared = claimed.as_ref().unwrap_or(&self.idle);
+        scene.put(lane, prepared);
+        flight.put(lane, &prepared.start());
+        noise.set_lane(lane, self.crew.operation.stream(self.aboard[lane].unwrap_or(0)));
     }
 }
 
-impl<R, O, T, F> Relief<R, O> for Roster<'_, T, F>
+impl<R, O, T, F> Refill<R, O> for Roster<'_, T, F>
 where
     R: Real,
     O: Observer<R> + Batch<R>,
@@ -208,12 +208,12 @@ where
         over: R::Mask,
         scene: &mut Scene<R>,
         flight: &mut Flight<R>,
-        dice: &mut Stream<R>,
+        noise: &mut Stream<R>,
         number: &mut R,
         observer: &mut O,
     ) {
         for lane in (0..R::LANES).filter(|&lane| over.lane(lane)) {
-            self.board(lane, scene, flight, dice);
+            self.board(lane, scene, flight, noise);
             number.set_lane(lane, 0.0);
             observer.put(lane, &O::One::default());
         }

@@ -8,7 +8,7 @@ use detumble_core::gnc::error::TrackingError;
 use detumble_core::history::{History, Merge, Series};
 use detumble_core::metrics::{Metrics, Summary};
 use detumble_core::number::{Backend, Job, Mask, Real, Stream, dispatch};
-use detumble_core::scene::{Common, Scene, Sortie};
+use detumble_core::scene::{Common, PreparedFlight, Scene};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A flight: rows, events, numbers.
@@ -47,12 +47,12 @@ impl Job for OneFlight<'_> {
 
     #[inline(always)]
     fn run<R: Real>(self) -> FlightRecord {
-        let (plan, sortie) = (&self.recipe.plan, Sortie::new(self.recipe));
-        let mut scene = Scene::<R>::new(plan, self.common, &sortie);
-        let mut flight = Batch::<R>::same(&sortie.start());
-        let mut dice = Stream::new(self.seed, |_| self.index);
+        let (plan, prepared) = (&self.recipe.plan, PreparedFlight::new(self.recipe));
+        let mut scene = Scene::<R>::new(plan, self.common, &prepared);
+        let mut flight = Batch::<R>::same(&prepared.start());
+        let mut noise = Stream::new(self.seed, |_| self.index);
         let mut observer = (Interruptible(self.stop), (History::new(plan.periods), Metrics::default()));
-        let last = fly_alone(&mut scene, &mut flight, &mut dice, &mut observer);
+        let last = fly_alone(&mut scene, &mut flight, &mut noise, &mut observer);
         let (_, (history, metrics)) = observer;
         let summary = metrics.summary(&scene, &flight, last, 0);
         FlightRecord { merge: history.merge, series: history.into_series(), summary }

@@ -4,4 +4,4 @@ mod backends;
 mod divergence;
 mod fixture;
 mod metrics;
-mod relief;
+mod refill;

@@ -210,9 +210,9 @@ pub struct Plan {
 pub enum End {
     /// After its last period.
     Duration,
-    /// At capture, or when it has left the numbers.
+    /// At capture, or when it has become non-finite.
     Captured,
-    /// When the stack has been settled for a while (at capture, where nothing merges), or when it has left the numbers.
+    /// When the stack has been settled for a while (at capture, where nothing merges), or when it has become non-finite.
     Settled,
 }
 

@@ -23,7 +23,7 @@ use crate::scene::{Scene, no_gains};
 fn control_tick<R: Real, O: Observer<R>>(
     scene: &Scene<R>,
     flight: &mut Flight<R>,
-    dice: &Stream<R>,
+    noise: &Stream<R>,
     number: R,
     observer: &mut O,
 ) -> (Held<R>, R::Mask) {
@@ -44,7 +44,7 @@ fn control_tick<R: Real, O: Observer<R>>(
         }
     }
 
-    let seen = sense(&scene.numbers.case.sensors, scene.common.noisy, &flight.truth, dice, number);
+    let seen = sense(&scene.numbers.case.sensors, scene.common.noisy, &flight.truth, noise, number);
     let goal = guide(scene, flight, &seen, time);
     let seen_error = TrackingError::between(&seen, &goal);
     let (demand, frame) = command(scene, flight, &seen, &seen_error, &goal, number);
@@ -74,25 +74,25 @@ fn fly_on<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, held: &Held<R>) {
 }
 
 /// Flies all lanes, each from its tick 0 to the tick at which its flight is over: that one is judged and commanded, but not
-/// flown. What then becomes of a lane is the relief's affair.
+/// flown. What then becomes of a lane is the refill's affair.
 #[inline(always)]
 pub fn fly<R: Real, O: Observer<R>>(
     scene: &mut Scene<R>,
     flight: &mut Flight<R>,
-    dice: &mut Stream<R>,
+    noise: &mut Stream<R>,
     observer: &mut O,
-    relief: &mut impl Relief<R, O>,
+    refill: &mut impl Refill<R, O>,
 ) {
     let mut number = R::zero();
     loop {
-        let (held, over) = control_tick(scene, flight, dice, number, observer);
-        if over.any() && !relief.land(over, scene, flight, number, observer) {
+        let (held, over) = control_tick(scene, flight, noise, number, observer);
+        if over.any() && !refill.land(over, scene, flight, number, observer) {
             return;
         }
         fly_on(scene, flight, &held);
         number += R::one();
         if over.any() {
-            relief.take_off(over, scene, flight, dice, &mut number, observer);
+            refill.take_off(over, scene, flight, noise, &mut number, observer);
         }
     }
 }
@@ -245,7 +245,7 @@ pub trait Observer<R: Real> {
 }
 
 /// Decides what becomes of lanes whose flight is over.
-pub trait Relief<R: Real, O> {
+pub trait Refill<R: Real, O> {
     /// Flights are over, at these ticks; returns whether any lane still flies something.
     fn land(&mut self, over: R::Mask, scene: &Scene<R>, flight: &Flight<R>, number: R, observer: &O) -> bool;
 
@@ -255,7 +255,7 @@ pub trait Relief<R: Real, O> {
         over: R::Mask,
         scene: &mut Scene<R>,
         flight: &mut Flight<R>,
-        dice: &mut Stream<R>,
+        noise: &mut Stream<R>,
         number: &mut R,
         observer: &mut O,
     );
@@ -266,17 +266,17 @@ pub trait Relief<R: Real, O> {
 pub fn fly_alone<R: Real, O: Observer<R>>(
     scene: &mut Scene<R>,
     flight: &mut Flight<R>,
-    dice: &mut Stream<R>,
+    noise: &mut Stream<R>,
     observer: &mut O,
 ) -> R {
     let mut last = Alone(R::zero());
-    fly(scene, flight, dice, observer, &mut last);
+    fly(scene, flight, noise, observer, &mut last);
     last.0
 }
 
 struct Alone<R: Real>(R);
 
-impl<R: Real, O> Relief<R, O> for Alone<R> {
+impl<R: Real, O> Refill<R, O> for Alone<R> {
     fn land(&mut self, _: R::Mask, _: &Scene<R>, _: &Flight<R>, number: R, _: &O) -> bool {
         self.0 = number;
         false

@@ -31,13 +31,13 @@ pub struct Merge {
     pub stack_inertia: Mat3<f64>,
 }
 
-/// Keeps lane 0 of everything. Rows end with the last whole number: a flight that leaves the numbers stops there.
+/// Keeps lane 0 of everything. Rows end with the last whole number: a flight that becomes non-finite stops there.
 pub struct History {
     series: Vec<Series>,
     before: Option<Motion<f64>>,
     /// The merge, if there was one.
     pub merge: Option<Merge>,
-    left_the_numbers: bool,
+    non_finite: bool,
 }
 
 /// Name and width of every series, in the order in which rows are written.
@@ -70,7 +70,7 @@ impl History {
             .iter()
             .map(|&(name, width)| Series { name, width, values: Vec::with_capacity(rows * width) })
             .collect();
-        Self { series, before: None, merge: None, left_the_numbers: false }
+        Self { series, before: None, merge: None, non_finite: false }
     }
 
     /// The series.
@@ -108,7 +108,7 @@ impl<R: Real> Observer<R> for History {
         let (chaser_attitude, chaser_rate) = (truth.chaser_attitude.lane(0).0, truth.chaser_rate.lane(0).0);
         let (debris_attitude, debris_rate) = (truth.debris_attitude.lane(0).0, truth.debris_rate.lane(0).0);
         if !tick.judged.is_finite().lane(0) {
-            self.left_the_numbers = true;
+            self.non_finite = true;
             return;
         }
         let error = &tick.error;
@@ -149,7 +149,7 @@ impl<R: Real> Observer<R> for History {
 
     #[inline(always)]
     fn over(&self, _: &Scene<R>, _: &Flight<R>, _: &Tick<R>) -> R::Mask {
-        R::Mask::splat(self.left_the_numbers)
+        R::Mask::splat(self.non_finite)
     }
 }
 

@@ -176,7 +176,7 @@ impl<R: Real> Metrics<R> {
         (self.last_unsettled + R::splat(plan.control_period)).max(flight.capture.time)
     }
 
-    /// A wrench that is not flown counts for nothing, nor does one of a lane whose state has left the numbers.
+    /// A wrench that is not flown counts for nothing, nor does one of a lane whose state has become non-finite.
     #[inline(always)]
     fn count_effort(&mut self, scene: &Scene<R>, tick: &Tick<R>, counts: R::Mask) {
         let period = R::splat(scene.plan.control_period);
@@ -291,7 +291,7 @@ impl<R: Real> Metrics<R> {
 pub mod failure {
     /// It did not: captured, and settled where the bodies merge.
     pub const NONE: u8 = 0;
-    /// The state left the numbers.
+    /// The state became non-finite.
     pub const DIVERGED: u8 = 1;
     /// Captured, but the stack was not settled at the end.
     pub const NOT_SETTLED: u8 = 2;

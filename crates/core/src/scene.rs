@@ -89,14 +89,14 @@ impl Laws {
 
 /// One flight, ready to be flown.
 #[derive(Clone, Debug)]
-pub struct Sortie {
+pub struct PreparedFlight {
     /// Its numbers.
     pub numbers: Numbers<f64>,
     /// Its law.
     pub laws: Laws,
 }
 
-impl Sortie {
+impl PreparedFlight {
     /// Of a recipe.
     pub fn new(recipe: &FlightRecipe) -> Self {
         Self {
@@ -176,24 +176,24 @@ pub struct Scene<R: Real> {
 }
 
 impl<R: Real> Scene<R> {
-    /// All lanes fly `sortie`.
-    pub fn new(plan: &Plan, common: Common, sortie: &Sortie) -> Self {
+    /// All lanes fly `prepared`.
+    pub fn new(plan: &Plan, common: Common, prepared: &PreparedFlight) -> Self {
         Self {
             plan: *plan,
             common,
-            numbers: Batch::same(&sortie.numbers),
+            numbers: Batch::same(&prepared.numbers),
             clock: Clock::new(plan.control_period),
             step: plan.step(),
-            law_after: Batch::<R>::same(&sortie.laws.after),
-            laws: vec![sortie.laws.clone(); R::LANES],
+            law_after: Batch::<R>::same(&prepared.laws.after),
+            laws: vec![prepared.laws.clone(); R::LANES],
         }
     }
 
-    /// Lane `i` flies another sortie.
-    pub fn put(&mut self, i: usize, sortie: &Sortie) {
-        self.numbers.put(i, &sortie.numbers);
-        Batch::<R>::put(&mut self.law_after, i, &sortie.laws.after);
-        self.laws[i].clone_from(&sortie.laws);
+    /// Lane `i` flies another prepared.
+    pub fn put(&mut self, i: usize, prepared: &PreparedFlight) {
+        self.numbers.put(i, &prepared.numbers);
+        Batch::<R>::put(&mut self.law_after, i, &prepared.laws.after);
+        self.laws[i].clone_from(&prepared.laws);
     }
 
     /// The goal of two separate bodies.

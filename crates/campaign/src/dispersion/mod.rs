@@ -110,7 +110,7 @@ struct Runs {
 }
 
 impl Runs {
-    fn dice(&self, run: usize) -> Stream<f64> {
+    fn noise(&self, run: usize) -> Stream<f64> {
         Stream::new(self.seed, |_| self.first.wrapping_add(run as u64))
     }
 
@@ -119,7 +119,7 @@ impl Runs {
         let numbers = FieldNumbers::new(path);
         let mut values = Vec::with_capacity(N * self.count);
         for run in 0..self.count {
-            values.extend(of_uniforms(numbers.uniforms(&self.dice(run))));
+            values.extend(of_uniforms(numbers.uniforms(&self.noise(run))));
         }
         Drawn { path: path.to_owned(), width: N, values }
     }
@@ -163,9 +163,9 @@ impl Runs {
         let members: Vec<_> = group.members.iter().map(member).collect();
         let mut z = vec![0.0; members.len()];
         for run in 0..self.count {
-            let dice = self.dice(run);
+            let noise = self.noise(run);
             for ((numbers, _, element, _), z) in members.iter().zip(&mut z) {
-                *z = normal::quantile(numbers.uniforms::<3>(&dice)[*element]);
+                *z = normal::quantile(numbers.uniforms::<3>(&noise)[*element]);
             }
             for ((_, field, element, quantile), row) in members.iter().zip(&group.factor) {
                 let y = row.iter().zip(&z).fold(0.0, |sum, (l, z)| sum + l * z);

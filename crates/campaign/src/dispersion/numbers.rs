@@ -22,12 +22,12 @@ impl FieldNumbers {
     /// Independent numbers in (0, 1), the midpoints (k + 1/2) 2⁻⁵² of equal cells; `1 - u` is exact. The first of them do
     /// not depend on how many are asked for.
     #[inline]
-    pub(super) fn uniforms<const N: usize>(&self, dice: &Stream<f64>) -> [f64; N] {
+    pub(super) fn uniforms<const N: usize>(&self, noise: &Stream<f64>) -> [f64; N] {
         const { assert!(N <= 32) };
         const HALF_CELL: f64 = 1.0 / (1u64 << 53) as f64;
         let mut uniforms = [0.0; N];
         for (k, pair) in uniforms.chunks_mut(2).enumerate() {
-            let words = dice.words(self.step, self.block | k as u32).map(|word| word.lane(0) & u32::MAX as u64);
+            let words = noise.words(self.step, self.block | k as u32).map(|word| word.lane(0) & u32::MAX as u64);
             for (uniform, word) in pair.iter_mut().zip(words.chunks(2)) {
                 let cell = word[0] << 20 | word[1] >> 12;
                 *uniform = (2 * cell + 1) as f64 * HALF_CELL;
@@ -66,10 +66,10 @@ mod tests {
     fn numbers_are_midpoints_and_do_not_depend_on_how_many_are_drawn() {
         let numbers = FieldNumbers::new("chaser.mass");
         for run in 0..1000 {
-            let dice = Stream::new(7, |_| run);
-            let six: [f64; 6] = numbers.uniforms(&dice);
-            assert_eq!(numbers.uniforms::<3>(&dice), six[..3]);
-            assert_eq!(numbers.uniforms::<1>(&dice), six[..1]);
+            let noise = Stream::new(7, |_| run);
+            let six: [f64; 6] = numbers.uniforms(&noise);
+            assert_eq!(numbers.uniforms::<3>(&noise), six[..3]);
+            assert_eq!(numbers.uniforms::<1>(&noise), six[..1]);
             for u in six {
                 let cells = u * 2f64.powi(53);
                 assert!(cells % 2.0 == 1.0 && 0.0 < u && u < 1.0);

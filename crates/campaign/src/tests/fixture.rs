@@ -166,13 +166,13 @@ fn plan(way: Way, periods: u32) -> Plan {
 
 /// The paper's bodies, orbit, limits and thresholds; start, tumble, attitudes, and every third inertia at random.
 fn case(i: usize) -> Case<f64> {
-    let dice = Stream::<f64>::new(1, |_| i as u64);
+    let noise = Stream::<f64>::new(1, |_| i as u64);
     let vector = |block, size: f64| {
-        let [x, y, z, _] = dice.uniforms(0, block);
+        let [x, y, z, _] = noise.uniforms(0, block);
         Vec3([2.0 * x - 1.0, 2.0 * y - 1.0, 2.0 * z - 1.0]) * size
     };
     let identity = Quat([1.0, 0.0, 0.0, 0.0]);
-    let [share, ..] = dice.uniforms(0, 9);
+    let [share, ..] = noise.uniforms(0, 9);
     let tilted = |inertia: Mat3<f64>, block| {
         if !i.is_multiple_of(3) {
             return inertia;
@@ -189,7 +189,7 @@ fn case(i: usize) -> Case<f64> {
     let chaser = body(8.5 + share, [0.1, 0.1, 0.05], [0.0, -0.15, 0.0], 7);
     let debris = body(5.0, [0.05, 0.05, 0.08], [0.0, 0.12, 0.03], 8);
     let goal = Vec3([0.0, 0.3, 0.0]);
-    let debris_attitude = Quat(dice.normals(0, 6)).normalized();
+    let debris_attitude = Quat(noise.normals(0, 6)).normalized();
     Case {
         orbit: Orbit { mean_motion: (3.986004418e14_f64 / 7071e3_f64.powi(3)).sqrt(), lvlh_attitude: identity },
         chaser,

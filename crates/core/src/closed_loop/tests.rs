@@ -5,7 +5,7 @@ use crate::case::*;
 use crate::gnc::laws::LawRecipe;
 use crate::gnc::laws::{Form, Gains, PhaseGains, pd};
 use crate::number::Mat3;
-use crate::scene::{Common, Sortie};
+use crate::scene::{Common, PreparedFlight};
 use crate::tests::assert_near;
 
 struct Row {
@@ -91,9 +91,9 @@ fn recipe() -> FlightRecipe {
 }
 
 fn watch(recipe: &FlightRecipe) -> (Log, Flight<f64>) {
-    let sortie = Sortie::new(recipe);
-    let mut scene = Scene::<f64>::new(&recipe.plan, Common::new(&recipe.case, &recipe.plan, []), &sortie);
-    let (mut flight, mut log) = (sortie.start(), Log::default());
+    let prepared = PreparedFlight::new(recipe);
+    let mut scene = Scene::<f64>::new(&recipe.plan, Common::new(&recipe.case, &recipe.plan, []), &prepared);
+    let (mut flight, mut log) = (prepared.start(), Log::default());
     fly_alone(&mut scene, &mut flight, &mut Stream::new(1, |_| 0), &mut log);
     (log, flight)
 }

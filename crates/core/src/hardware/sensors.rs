@@ -41,19 +41,19 @@ pub fn sense<R: Real>(
     sigmas: &NoiseSigmas<R>,
     noisy: Noisy,
     truth: &Motion<R>,
-    dice: &Stream<R>,
+    noise: &Stream<R>,
     tick: R,
 ) -> Motion<R> {
     // Twelve normals a tick: position 0–2, attitude 3–5, rate 6–8, velocity 9–11; none drawn beyond the last in use.
     let mut normals = [[R::zero(); 2]; 6];
     if noisy.velocity {
-        normals = dice.normal_pairs::<6>(tick);
+        normals = noise.normal_pairs::<6>(tick);
     } else if noisy.rate {
-        normals[..5].copy_from_slice(&dice.normal_pairs::<5>(tick));
+        normals[..5].copy_from_slice(&noise.normal_pairs::<5>(tick));
     } else if noisy.attitude {
-        normals[..3].copy_from_slice(&dice.normal_pairs::<3>(tick));
+        normals[..3].copy_from_slice(&noise.normal_pairs::<3>(tick));
     } else if noisy.position {
-        normals[..2].copy_from_slice(&dice.normal_pairs::<2>(tick));
+        normals[..2].copy_from_slice(&noise.normal_pairs::<2>(tick));
     }
     let [[x, y], [z, a], [b, c], [p, q], [r, u], [v, w]] = normals;
 

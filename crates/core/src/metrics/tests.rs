@@ -6,7 +6,7 @@ use crate::closed_loop::fly_alone;
 use crate::gnc::laws::{Form, Gains, LawRecipe, PhaseGains, Segment, pd};
 use crate::number::{Mat3, Quat, Stream};
 use crate::plant::propagate::WrenchFrame;
-use crate::scene::{Common, Sortie};
+use crate::scene::{Common, PreparedFlight};
 use crate::tests::assert_near;
 
 /// Tick length 0.5 s, 10 periods; far apart, so nothing is captured unless told; no orbit.
@@ -61,9 +61,9 @@ fn recipe(law: LawRecipe) -> FlightRecipe {
 }
 
 fn summary(recipe: &FlightRecipe) -> Summary {
-    let sortie = Sortie::new(recipe);
-    let mut scene = Scene::<f64>::new(&recipe.plan, Common::new(&recipe.case, &recipe.plan, []), &sortie);
-    let (mut flight, mut metrics) = (sortie.start(), Metrics::default());
+    let prepared = PreparedFlight::new(recipe);
+    let mut scene = Scene::<f64>::new(&recipe.plan, Common::new(&recipe.case, &recipe.plan, []), &prepared);
+    let (mut flight, mut metrics) = (prepared.start(), Metrics::default());
     let last = fly_alone(&mut scene, &mut flight, &mut Stream::new(0, |_| 0), &mut metrics);
     metrics.summary(&scene, &flight, last, 0)
 }

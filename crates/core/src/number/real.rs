@@ -48,7 +48,7 @@ pub trait Bits:
 /// A real number, or several in lockstep: `f64`, or SIMD lanes of `f64`.
 ///
 /// Operations work lane by lane and mean the same on every type, bit for bit, with one exception: [`Real::mul_add`]
-/// rounds once where the hardware has it, else twice. NaN is never hidden: a trajectory that has left the numbers stays visible.
+/// rounds once where the hardware has it, else twice. NaN is never hidden: a trajectory that has become non-finite stays visible.
 pub trait Real:
     Copy
     + 'static

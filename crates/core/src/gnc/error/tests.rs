@@ -40,9 +40,9 @@ fn errors_have_their_known_values() {
 
 #[test]
 fn attitude_error_goes_the_short_way_whatever_the_signs() {
-    let mut dice = Dice::new(20);
+    let mut noise = Dice::new(20);
     for _ in 0..200 {
-        let (q, reference, rate) = (dice.attitude(), dice.attitude(), dice.vector(0.1));
+        let (q, reference, rate) = (noise.attitude(), noise.attitude(), noise.vector(0.1));
         let error = |p: Quat<f64>, r: Quat<f64>| TrackingError::between(&motion(p, rate), &target(r, rate));
         let first = error(q, reference);
         assert!(first.attitude.scalar() >= 0.0);
@@ -50,16 +50,16 @@ fn attitude_error_goes_the_short_way_whatever_the_signs() {
             assert_eq!((other.attitude, other.rate), (first.attitude, first.rate));
         }
         // It takes chaser components to reference components.
-        let v = dice.vector(1.0);
+        let v = noise.vector(1.0);
         assert_near(&reference.rotate(first.attitude.rotate(v)).0, &q.rotate(v).0, 1e-14);
     }
 }
 
 #[test]
 fn bodies_that_turn_alike_have_no_rate_error() {
-    let mut dice = Dice::new(21);
+    let mut noise = Dice::new(21);
     for _ in 0..50 {
-        let (q, reference, in_n) = (dice.attitude(), dice.attitude(), dice.vector(0.1));
+        let (q, reference, in_n) = (noise.attitude(), noise.attitude(), noise.vector(0.1));
         let motion = motion(q, q.rotate_inverse(in_n));
         let error = TrackingError::between(&motion, &target(reference, reference.rotate_inverse(in_n)));
         assert!(error.rate.norm() < 4e-16);

@@ -10,22 +10,22 @@ struct Scene {
     start: Motion<f64>,
 }
 
-fn scene(dice: &mut Dice) -> Scene {
+fn scene(noise: &mut Dice) -> Scene {
     Scene {
         // An orbit fast enough for its terms to be seen in the differences.
-        orbit: Orbit { mean_motion: 0.02, lvlh_attitude: dice.attitude() },
+        orbit: Orbit { mean_motion: 0.02, lvlh_attitude: noise.attitude() },
         grasp: GraspPoints {
-            chaser: dice.vector(0.2),
-            debris: dice.vector(0.2),
-            debris_inertia: Inertia::new(dice.inertia(0.05)),
+            chaser: noise.vector(0.2),
+            debris: noise.vector(0.2),
+            debris_inertia: Inertia::new(noise.inertia(0.05)),
         },
         start: Motion {
-            position: dice.vector(1.0),
-            velocity: dice.vector(0.1),
-            chaser_attitude: dice.attitude(),
-            chaser_rate: dice.vector(0.2),
-            debris_attitude: dice.attitude(),
-            debris_rate: dice.vector(0.2),
+            position: noise.vector(1.0),
+            velocity: noise.vector(0.1),
+            chaser_attitude: noise.attitude(),
+            chaser_rate: noise.vector(0.2),
+            debris_attitude: noise.attitude(),
+            debris_rate: noise.vector(0.2),
         },
     }
 }
@@ -52,9 +52,9 @@ impl Scene {
 
 #[test]
 fn grasp_velocity_and_acceleration_are_the_derivatives_of_the_goal() {
-    let mut dice = Dice::new(22);
+    let mut noise = Dice::new(22);
     for _ in 0..50 {
-        let scene = scene(&mut dice);
+        let scene = scene(&mut noise);
         // Central differences of fourth order in h: h⁴ ω⁵ p and round-off 1e-16/h.
         let h = 0.01;
         let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(|k| scene.target(k * h));
@@ -68,9 +68,9 @@ fn grasp_velocity_and_acceleration_are_the_derivatives_of_the_goal() {
 
 #[test]
 fn grasp_points_meet_at_the_goal() {
-    let mut dice = Dice::new(23);
+    let mut noise = Dice::new(23);
     for _ in 0..50 {
-        let scene = scene(&mut dice);
+        let scene = scene(&mut noise);
         let target = scene.now();
         // With the chaser at the goal both points are at one place in N.
         let in_n = |q: Quat<f64>, p: Vec3<f64>| q.rotate(p);
@@ -112,8 +112,8 @@ fn grasp_point_of_a_spinning_body_has_its_known_motion() {
 
 #[test]
 fn fixed_goal_rests_in_h_and_the_stack_turns_with_h() {
-    let mut dice = Dice::new(24);
-    let scene = scene(&mut dice);
+    let mut noise = Dice::new(24);
+    let scene = scene(&mut noise);
     let goal = Vec3([0.0, 0.3, 0.0]);
     let before = fixed_point(goal, &scene.start);
     assert_eq!((before.position, before.velocity), (goal, Vec3::zero()));

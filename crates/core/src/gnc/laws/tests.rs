@@ -249,15 +249,15 @@ fn two_epsilon_doubles_the_attitude_error_of_sliding_laws_and_its_exact_rate() {
 fn exact_surface_rate_is_the_derivative_of_the_surface_along_the_motion() {
     // What the switch changes in the torque is I times the change of compensation; held against finite differences of the
     // attitude error itself under a constant e_ω.
-    let mut dice = Dice::new(31);
+    let mut noise = Dice::new(31);
     let tsmc_gains =
         tsmc::Gains { slope: Vec3([0.3, 0.2, 0.1]), gain: Vec3([0.1; 3]), layer: Vec3([0.5; 3]), exponent: 0.6 };
     let tsmc_law = LawRecipe::Tsmc(both(Form::Corrected, tsmc_gains, tsmc_gains));
     for two_epsilon in [false, true] {
         let factor = if two_epsilon { 2.0 } else { 1.0 };
         for _ in 0..20 {
-            let attitude = dice.attitude().short_way();
-            let error = TrackingError { attitude, rate: dice.vector(0.2), ..error() };
+            let attitude = noise.attitude().short_way();
+            let error = TrackingError { attitude, rate: noise.vector(0.2), ..error() };
             let at = |t: f64| (attitude * Quat::from_rotation_vector(error.rate * t)).vector() * factor;
             let derivative = |f: &dyn Fn(Vec3<f64>) -> Vec3<f64>| (f(at(1e-4)) - f(at(-1e-4))) * 5e3;
             let change = |law: &LawRecipe| {

@@ -13,9 +13,9 @@ fn each_axis_is_clipped_at_its_own_limit() {
 fn scaling_brings_the_worst_axis_to_its_limit_and_keeps_the_direction() {
     // Excess 3 on x, 1.5 on y.
     assert_near(&saturate(Vec3([0.3, -0.3, 0.06]), LIMIT, true).0, &[0.1, -0.1, 0.02], 1e-16);
-    let mut dice = Dice::new(13);
+    let mut noise = Dice::new(13);
     for _ in 0..200 {
-        let demand = dice.vector(2.0);
+        let demand = noise.vector(2.0);
         let given = saturate(demand, LIMIT, true);
         assert!(given.cross(demand).norm() <= 1e-16 * demand.norm() && given.dot(demand) > 0.0);
         let used = (given.abs() / LIMIT).max_component();

@@ -110,12 +110,12 @@ fn quaternion_rk4_step(body: &Inertia<f64>, spin: &Spin<f64>, torque: Vec3<f64>,
 #[test]
 fn magnus_step_is_more_accurate_than_rk4_on_the_quaternion() {
     // Over random bodies and tumbles: the mean of the ratio of errors, in powers.
-    let mut dice = Dice::new(2);
+    let mut noise = Dice::new(2);
     let (count, mut sum, mut worse) = (40, 0.0, 0);
     for _ in 0..count {
-        let body = Inertia::new(dice.inertia(0.1));
-        let start = Spin { attitude: dice.attitude(), rate: dice.vector(0.4) };
-        let torque = dice.vector(0.005);
+        let body = Inertia::new(noise.inertia(0.1));
+        let start = Spin { attitude: noise.attitude(), rate: noise.vector(0.4) };
+        let torque = noise.vector(0.005);
         let exact = fly(&body, start, torque, 1.0 / 256.0, 10.0);
         let magnus = fly(&body, start, torque, 0.1, 10.0);
         let textbook = (0..100).fold(start, |spin, _| quaternion_rk4_step(&body, &spin, torque, 0.1));
@@ -155,12 +155,12 @@ fn free_tumble_keeps_momentum_energy_and_norm() {
 
 #[test]
 fn principal_axes_path_gives_the_bits_of_the_general_path() {
-    let mut dice = Dice::new(3);
+    let mut noise = Dice::new(3);
     for _ in 0..200 {
-        let moments = Vec3([0; 3].map(|_| dice.between(0.01, 0.2)));
+        let moments = Vec3([0; 3].map(|_| noise.between(0.01, 0.2)));
         let body = Inertia::new(Mat3::diagonal(moments));
-        let start = Spin { attitude: dice.attitude(), rate: dice.vector(0.5) };
-        let torque = dice.vector(0.01);
+        let start = Spin { attitude: noise.attitude(), rate: noise.vector(0.5) };
+        let torque = noise.vector(0.01);
         let bits = |s: Spin<f64>| (s.attitude.0.map(f64::to_bits), s.rate.0.map(f64::to_bits));
         assert_eq!(bits(fly(&Principal(&body), start, torque, 0.05, 5.0)), bits(fly(&body, start, torque, 0.05, 5.0)));
     }
@@ -169,10 +169,10 @@ fn principal_axes_path_gives_the_bits_of_the_general_path() {
 #[test]
 fn series_of_a_small_rotation_is_exact_to_rounding_up_to_0_3_rad() {
     // First power left out: (|φ|/2)¹¹/11!, in the angle twice that: 4e-17 at 0.3, 1.2e-14 at 0.5 rad.
-    let mut dice = Dice::new(36);
+    let mut noise = Dice::new(36);
     for (size, bound) in [(1e-6, 4e-22), (0.01, 5e-18), (0.3, 3e-16), (0.5, 1.3e-14)] {
         for _ in 0..50 {
-            let turn = dice.vector(1.0);
+            let turn = noise.vector(1.0);
             let turn = turn * (size / turn.norm());
             let error = angle_between(renormalized(small_rotation(turn)), Quat::from_rotation_vector(turn));
             assert!(error < bound, "{size}: {error:e}");

@@ -84,9 +84,9 @@ fn steps_compose() {
 
 #[test]
 fn held_acceleration_agrees_with_fine_integration() {
-    let mut dice = Dice::new(1);
+    let mut noise = Dice::new(1);
     for time in [0.05, 1.0, 60.0, 600.0, 5000.0] {
-        let (r, v, held) = (dice.vector(20.0), dice.vector(0.05), dice.vector(0.01));
+        let (r, v, held) = (noise.vector(20.0), noise.vector(0.05), noise.vector(0.01));
         let (exact_r, exact_v) = HeldStep::new(N, time).advance(r, v, held);
         // The equations of motion as they stand in the module's head, RK4, n h ≤ 2e-3.
         let f = |r: Vec3<f64>, v: Vec3<f64>| {

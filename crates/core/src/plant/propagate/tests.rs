@@ -4,9 +4,9 @@ use crate::tests::{Dice, angle_between, assert_near, brief, fitted_order};
 
 const N: f64 = 1.0618120e-3;
 
-fn surroundings(step: f64, dice: &mut Dice) -> Surroundings<f64> {
-    let lvlh_attitude = dice.attitude();
-    let debris = Inertia::new(dice.inertia(0.05));
+fn surroundings(step: f64, noise: &mut Dice) -> Surroundings<f64> {
+    let lvlh_attitude = noise.attitude();
+    let debris = Inertia::new(noise.inertia(0.05));
     let at_rest = Spin { attitude: Quat::identity(), rate: Vec3::zero() };
     Surroundings {
         orbit: Orbit { mean_motion: N, lvlh_attitude },
@@ -17,14 +17,14 @@ fn surroundings(step: f64, dice: &mut Dice) -> Surroundings<f64> {
     }
 }
 
-fn motion(dice: &mut Dice) -> Motion<f64> {
+fn motion(noise: &mut Dice) -> Motion<f64> {
     Motion {
-        position: dice.vector(20.0),
-        velocity: dice.vector(0.05),
-        chaser_attitude: dice.attitude(),
-        chaser_rate: dice.vector(0.1),
-        debris_attitude: dice.attitude(),
-        debris_rate: dice.vector(0.1),
+        position: noise.vector(20.0),
+        velocity: noise.vector(0.05),
+        chaser_attitude: noise.attitude(),
+        chaser_rate: noise.vector(0.1),
+        debris_attitude: noise.attitude(),
+        debris_rate: noise.vector(0.1),
     }
 }
 
@@ -111,13 +111,13 @@ impl Independent<'_> {
 
 #[test]
 fn open_loop_agrees_with_an_independent_integration_in_n() {
-    let mut dice = Dice::new(4);
+    let mut noise = Dice::new(4);
     for body_frame in [true, false] {
         for time in [20.0, 300.0] {
-            let around = surroundings(0.05, &mut dice);
-            let vehicle = Vehicle::new(9.0, Inertia::new(dice.inertia(0.1)));
-            let wrench = Wrench { force: dice.vector(0.05), torque: dice.vector(2e-4) };
-            let start = motion(&mut dice);
+            let around = surroundings(0.05, &mut noise);
+            let vehicle = Vehicle::new(9.0, Inertia::new(noise.inertia(0.1)));
+            let wrench = Wrench { force: noise.vector(0.05), torque: noise.vector(2e-4) };
+            let start = motion(&mut noise);
             let frame = if body_frame { WrenchFrame::Body } else { WrenchFrame::Lvlh };
             let end = fly(&around, &vehicle, &start, &wrench, frame, (0.1, 2, (time * 10.0) as u32));
             let other = Independent { around: &around, vehicle: &vehicle, wrench: &wrench, body_frame };
@@ -142,10 +142,10 @@ fn open_loop_agrees_with_an_independent_integration_in_n() {
 
 #[test]
 fn open_loop_shows_its_order() {
-    let mut dice = Dice::new(5);
-    let vehicle = Vehicle::new(9.0, Inertia::new(dice.inertia(0.1)));
-    let wrench = Wrench { force: dice.vector(0.05), torque: dice.vector(2e-3) };
-    let (around, start) = (surroundings(1.0, &mut dice), motion(&mut dice));
+    let mut noise = Dice::new(5);
+    let vehicle = Vehicle::new(9.0, Inertia::new(noise.inertia(0.1)));
+    let wrench = Wrench { force: noise.vector(0.05), torque: noise.vector(2e-3) };
+    let (around, start) = (surroundings(1.0, &mut noise), motion(&mut noise));
     let body_frame = true;
     let exact = Independent { around: &around, vehicle: &vehicle, wrench: &wrench, body_frame }.fly(&start, 32.0, 6400);
     let steps = [2, 4, 8, 16];
@@ -164,11 +164,11 @@ fn open_loop_shows_its_order() {
 #[test]
 fn body_force_that_does_not_turn_is_the_held_force() {
     // Axes on H and turning with it about a principal axis: body force, H force and held force are one.
-    let mut dice = Dice::new(6);
-    let around = surroundings(0.05, &mut dice);
+    let mut noise = Dice::new(6);
+    let around = surroundings(0.05, &mut noise);
     let vehicle = Vehicle::new(9.0, Inertia::new(Mat3::diagonal(Vec3([0.1, 0.1, 0.05]))));
     let start =
-        Motion { chaser_attitude: around.orbit.lvlh_attitude, chaser_rate: Vec3([0.0, 0.0, N]), ..motion(&mut dice) };
+        Motion { chaser_attitude: around.orbit.lvlh_attitude, chaser_rate: Vec3([0.0, 0.0, N]), ..motion(&mut noise) };
     let wrench = Wrench { force: Vec3([0.03, -0.05, 0.02]), torque: Vec3::zero() };
     let clocks = (0.1, 2, 3000);
     let [held, lvlh, body] = [WrenchFrame::Command, WrenchFrame::Lvlh, WrenchFrame::Body]
@@ -188,16 +188,16 @@ fn body_force_that_does_not_turn_is_the_held_force() {
 
 #[test]
 fn more_steps_in_a_period_refine_rotation_and_leave_translation() {
-    let mut dice = Dice::new(7);
-    let vehicle = Vehicle::new(9.0, Inertia::new(dice.inertia(0.1)));
-    let wrench = Wrench { force: dice.vector(0.05), torque: dice.vector(2e-3) };
+    let mut noise = Dice::new(7);
+    let vehicle = Vehicle::new(9.0, Inertia::new(noise.inertia(0.1)));
+    let wrench = Wrench { force: noise.vector(0.05), torque: noise.vector(2e-3) };
     let start =
-        Motion { chaser_rate: Vec3([0.3, -0.5, 0.4]), debris_rate: Vec3([0.4, 0.3, -0.5]), ..motion(&mut dice) };
-    let at = |steps: u32, dice: &mut Dice| {
-        let around = surroundings(0.2 / f64::from(steps), dice);
+        Motion { chaser_rate: Vec3([0.3, -0.5, 0.4]), debris_rate: Vec3([0.4, 0.3, -0.5]), ..motion(&mut noise) };
+    let at = |steps: u32, noise: &mut Dice| {
+        let around = surroundings(0.2 / f64::from(steps), noise);
         fly(&around, &vehicle, &start, &wrench, WrenchFrame::Command, (0.2, steps, 100))
     };
-    // The same surroundings for each: the dice thrown anew.
+    // The same surroundings for each: the noise thrown anew.
     let [fine, ends @ ..] = [128, 1, 2, 4, 8].map(|steps| at(steps, &mut Dice::new(8)));
     let steps = [0.2, 0.1, 0.05, 0.025];
     for end in ends {

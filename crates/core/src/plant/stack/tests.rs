@@ -10,24 +10,24 @@ struct Pair {
     lvlh: Lvlh<f64>,
 }
 
-fn random_pair(dice: &mut Dice) -> Pair {
-    let body = |dice: &mut Dice, size| Body {
-        mass: dice.between(1.0, 20.0),
-        inertia: dice.inertia(size),
+fn random_pair(noise: &mut Dice) -> Pair {
+    let body = |noise: &mut Dice, size| Body {
+        mass: noise.between(1.0, 20.0),
+        inertia: noise.inertia(size),
         grasp_point: Vec3::zero(),
     };
     Pair {
-        chaser: body(dice, 0.1),
-        debris: body(dice, 0.08),
+        chaser: body(noise, 0.1),
+        debris: body(noise, 0.08),
         motion: Motion {
-            position: dice.vector(1.0),
-            velocity: dice.vector(0.1),
-            chaser_attitude: dice.attitude(),
-            chaser_rate: dice.vector(0.2),
-            debris_attitude: dice.attitude(),
-            debris_rate: dice.vector(0.2),
+            position: noise.vector(1.0),
+            velocity: noise.vector(0.1),
+            chaser_attitude: noise.attitude(),
+            chaser_rate: noise.vector(0.2),
+            debris_attitude: noise.attitude(),
+            debris_rate: noise.vector(0.2),
         },
-        lvlh: Lvlh { attitude: dice.attitude(), rate: Vec3([0.0, 0.0, 1.06e-3]) },
+        lvlh: Lvlh { attitude: noise.attitude(), rate: Vec3([0.0, 0.0, 1.06e-3]) },
     }
 }
 
@@ -81,10 +81,10 @@ fn points_of(body: &Body<f64>) -> Vec<Vec3<f64>> {
 
 #[test]
 fn merge_conserves_linear_and_angular_momentum_and_never_gains_energy() {
-    let mut dice = Dice::new(9);
+    let mut noise = Dice::new(9);
     let (mut linear_worst, mut angular_worst, mut least_loss) = (0.0_f64, 0.0_f64, f64::INFINITY);
     for _ in 0..1000 {
-        let pair = random_pair(&mut dice);
+        let pair = random_pair(&mut noise);
         let (linear, angular, energy) = pair.totals();
         let stack = merge_conserving(&pair.chaser, &pair.debris, &pair.motion, &pair.lvlh);
         let (vehicle, motion) = (&stack.vehicle, &stack.motion);
@@ -115,11 +115,11 @@ fn merge_conserves_linear_and_angular_momentum_and_never_gains_energy() {
 
 #[test]
 fn bodies_that_already_move_as_one_lose_no_energy() {
-    let mut dice = Dice::new(10);
+    let mut noise = Dice::new(10);
     for _ in 0..100 {
-        let mut pair = random_pair(&mut dice);
+        let mut pair = random_pair(&mut noise);
         // One rigid motion ω about the common centre: v_rel = ω × r in N.
-        let rate = dice.vector(0.2);
+        let rate = noise.vector(0.2);
         let position = pair.lvlh.attitude.rotate(pair.motion.position);
         pair.motion.velocity =
             pair.lvlh.attitude.rotate_inverse(rate.cross(position)) - pair.lvlh.rate.cross(pair.motion.position);
@@ -134,10 +134,10 @@ fn bodies_that_already_move_as_one_lose_no_energy() {
 
 #[test]
 fn inertia_of_the_stack_is_that_of_its_mass_points_and_physical() {
-    let mut dice = Dice::new(11);
+    let mut noise = Dice::new(11);
     let mut worst = 0.0_f64;
     for _ in 0..1000 {
-        let pair = random_pair(&mut dice);
+        let pair = random_pair(&mut noise);
         let stack = merge_conserving(&pair.chaser, &pair.debris, &pair.motion, &pair.lvlh);
         let tensor = stack.vehicle.inertia.tensor;
         assert_eq!(tensor, tensor.transpose());
@@ -216,9 +216,9 @@ fn numbers_of_the_papers_capture_are_those_of_the_specification() {
 
 #[test]
 fn approximate_transition_keeps_the_chasers_motion_and_adds_plain_matrices() {
-    let mut dice = Dice::new(12);
+    let mut noise = Dice::new(12);
     for _ in 0..20 {
-        let pair = random_pair(&mut dice);
+        let pair = random_pair(&mut noise);
         let stack = merge_approximate(&pair.chaser, &pair.debris, &pair.motion);
         assert_eq!(stack.motion, pair.motion);
         assert_eq!(stack.vehicle.mass, pair.chaser.mass + pair.debris.mass);

@@ -4,16 +4,16 @@ use crate::tests::{Dice, angle_between};
 
 const TOPS: [[f64; 3]; 3] = [[0.05, 0.05, 0.08], [0.1, 0.1, 0.05], [0.03, 0.03, 0.03]];
 
-fn start(dice: &mut Dice) -> Spin<f64> {
-    Spin { attitude: dice.attitude(), rate: dice.vector(0.2) }
+fn start(noise: &mut Dice) -> Spin<f64> {
+    Spin { attitude: noise.attitude(), rate: noise.vector(0.2) }
 }
 
 #[test]
 fn the_closed_form_is_what_runge_kutta_converges_to() {
-    let mut dice = Dice::new(5);
+    let mut noise = Dice::new(5);
     for diagonal in TOPS {
         let body = Inertia::new(Mat3::diagonal(Vec3(diagonal)));
-        let first = start(&mut dice);
+        let first = start(&mut noise);
         let top = FreeTop::new(&body, &first, 0.5);
         let (mut exact, mut fine) = (first, first);
         for _ in 0..240 {
@@ -29,9 +29,9 @@ fn the_closed_form_is_what_runge_kutta_converges_to() {
 
 #[test]
 fn momentum_and_energy_stay_over_a_million_steps() {
-    let mut dice = Dice::new(6);
+    let mut noise = Dice::new(6);
     let body = Inertia::new(Mat3::diagonal(Vec3(TOPS[0])));
-    let first = start(&mut dice);
+    let first = start(&mut noise);
     let top = FreeTop::new(&body, &first, 0.05);
     let momentum = |spin: &Spin<f64>| spin.attitude.rotate(body.tensor * spin.rate);
     let energy = |spin: &Spin<f64>| spin.rate.dot(body.tensor * spin.rate);

@@ -160,22 +160,22 @@ fn gain_of_an_isotropic_body_is_the_closed_form() {
 
 #[test]
 fn equation_is_solved_and_the_loop_stable_for_awkward_weights() {
-    let mut dice = Dice::new(32);
+    let mut noise = Dice::new(32);
     let mut worst = 0.0_f64;
     for trial in 0..600 {
         // q/r from 1e-12 to 1e6 on every axis by itself: the same, near one another, or as far apart as it goes.
         let spread = [0.0, 3.0, 9.0][trial % 3];
-        let r = 10f64.powf(dice.between(-3.0, 3.0));
+        let r = 10f64.powf(noise.between(-3.0, 3.0));
         let mut around = || {
-            let centre = dice.between(-12.0 + spread, 6.0 - spread + 1e-9);
-            Vec3([0; 3].map(|_| r * 10f64.powf(centre + dice.between(-spread, spread + 1e-9))))
+            let centre = noise.between(-12.0 + spread, 6.0 - spread + 1e-9);
+            Vec3([0; 3].map(|_| r * 10f64.powf(centre + noise.between(-spread, spread + 1e-9))))
         };
         let weights = Weights { q_error: around(), q_rate: around(), r };
         let system = match trial % 4 {
             0 => hill(1.0618120e-3),
-            1 => attitude(dice.inertia(0.1), 0.5),
-            2 => attitude(dice.inertia(0.1), 1.0),
-            _ => attitude(dice.inertia(10.0), 0.5),
+            1 => attitude(noise.inertia(0.1), 0.5),
+            2 => attitude(noise.inertia(0.1), 1.0),
+            _ => attitude(noise.inertia(10.0), 0.5),
         };
         let k = gain(&system, &weights);
         assert!(is_stable(&closed_loop(&system, &k)), "trial {trial}: {weights:?}");
@@ -188,14 +188,14 @@ fn equation_is_solved_and_the_loop_stable_for_awkward_weights() {
 
 #[test]
 fn lyapunov_equation_is_solved() {
-    let mut dice = Dice::new(33);
+    let mut noise = Dice::new(33);
     for _ in 0..20 {
         let weights = Weights { q_error: Vec3([1.0; 3]), q_rate: Vec3([1.0; 3]), r: 1.0 };
-        let system = attitude(dice.inertia(0.5), 0.5);
+        let system = attitude(noise.inertia(0.5), 0.5);
         let a = closed_loop(&system, &stabilising_gain(&system, &weights));
         let mut cost = [[0.0; STATES]; STATES];
         for (i, j) in NUMBERS.flat_map(|i| (0..=i).map(move |j| (i, j))) {
-            let entry = dice.between(-1.0, 1.0);
+            let entry = noise.between(-1.0, 1.0);
             (cost[i][j], cost[j][i]) = (entry, entry);
         }
         let p = lyapunov(&a, &cost);
@@ -210,11 +210,11 @@ fn lyapunov_equation_is_solved() {
 
 #[test]
 fn first_gain_is_stabilising_for_every_system() {
-    let mut dice = Dice::new(34);
+    let mut noise = Dice::new(34);
     for trial in 0..200 {
-        let mut weight = || Vec3([0; 3].map(|_| 10f64.powf(dice.between(-12.0, 6.0))));
+        let mut weight = || Vec3([0; 3].map(|_| 10f64.powf(noise.between(-12.0, 6.0))));
         let weights = Weights { q_error: weight(), q_rate: weight(), r: 1.0 };
-        let system = if trial % 2 == 0 { hill(1.06e-3) } else { attitude(dice.inertia(0.1), 0.5) };
+        let system = if trial % 2 == 0 { hill(1.06e-3) } else { attitude(noise.inertia(0.1), 0.5) };
         assert!(is_stable(&closed_loop(&system, &stabilising_gain(&system, &weights))), "{weights:?}");
     }
 }

@@ -40,10 +40,10 @@ fn time_on_the_surface_is_the_exact_one() {
 
 #[test]
 fn own_rate_is_the_derivative_of_the_surface_at_constant_rate() {
-    let mut dice = Dice::new(30);
+    let mut noise = Dice::new(30);
     for surface in [Surface::Linear { slope: Vec3([0.1, 0.2, 0.3]) }, terminal(0.7, 0.6), terminal(0.7, 5.0 / 3.0)] {
         for _ in 0..50 {
-            let (error, error_rate, rate) = (dice.vector(0.5), dice.vector(0.1), dice.vector(0.1));
+            let (error, error_rate, rate) = (noise.vector(0.5), noise.vector(0.1), noise.vector(0.1));
             // Away from the corner at e = 0, where the terminal surface has no derivative for p < 1.
             let error = Vec3(error.0.map(|e| e + 0.02 * e.signum()));
             let h = 1e-4;
