@@ -165,6 +165,90 @@ macro_rules! batch_struct {
     };
 }
 
+/// Declares a choice between structures of lanes and implements [`Batch`] for it. All lanes choose alike.
+///
+/// # Panics
+/// `put` and `choose`, if they do not.
+#[macro_export]
+macro_rules! batch_enum {
+    ($(#[$meta:meta])* $own:vis enum $name:ident<R> { $($(#[$variant_meta:meta])* $variant:ident($type:ty),)* }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        $own enum $name<R> { $($(#[$variant_meta])* $variant($type),)* }
+
+        impl<R: $crate::number::Real> $crate::batch::Batch<R> for $name<R> {
+            type One = $name<f64>;
+
+            fn same(one: &$name<f64>) -> Self {
+                match one {
+                    $($name::$variant(one) => Self::$variant($crate::batch::Batch::<R>::same(one)),)*
+                }
+            }
+
+            fn put(&mut self, i: usize, one: &$name<f64>) {
+                match (self, one) {
+                    $(($name::$variant(lanes), $name::$variant(one)) => $crate::batch::Batch::<R>::put(lanes, i, one),)*
+                    _ => $crate::batch::lanes_differ(),
+                }
+            }
+
+            fn scatter(&self, i: usize) -> $name<f64> {
+                match self {
+                    $(Self::$variant(lanes) => $name::$variant($crate::batch::Batch::<R>::scatter(lanes, i)),)*
+                }
+            }
+
+            #[inline(always)]
+            fn choose(mask: R::Mask, yes: &Self, no: &Self) -> Self {
+                match (yes, no) {
+                    $((Self::$variant(yes), Self::$variant(no)) => {
+                        Self::$variant($crate::batch::Batch::<R>::choose(mask, yes, no))
+                    })*
+                    _ => $crate::batch::lanes_differ(),
+                }
+            }
+        }
+    };
+}
+
+/// Implements [`Batch`] for a choice that is no number, and the same in all lanes.
+///
+/// # Panics
+/// `put`, if a lane is given another one.
+#[macro_export]
+macro_rules! batch_uniform {
+    ($($type:ty),*) => {$(
+        impl<R: $crate::number::Real> $crate::batch::Batch<R> for $type {
+            type One = $type;
+
+            fn same(one: &$type) -> Self {
+                *one
+            }
+
+            fn put(&mut self, _: usize, one: &$type) {
+                if self != one {
+                    $crate::batch::lanes_differ();
+                }
+            }
+
+            fn scatter(&self, _: usize) -> $type {
+                *self
+            }
+
+            #[inline(always)]
+            fn choose(_: R::Mask, yes: &Self, _: &Self) -> Self {
+                *yes
+            }
+        }
+    )*};
+}
+
+/// Which law flies, and in which form, is a choice for a whole batch; anything else is a fault of the caller.
+#[cold]
+pub fn lanes_differ() -> ! {
+    panic!("the flights of one batch must fly the same law in the same form")
+}
+
 /// Numbers that a campaign may change from flight to flight, found by their path: `chaser.mass`.
 pub trait Fields {
     /// The numbers at a path; `None` where there are none.

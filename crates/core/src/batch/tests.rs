@@ -1,6 +1,6 @@
 use super::*;
-use crate::gnc::laws::reaching::{Reaching, Shape};
-use crate::gnc::laws::surface::Surface;
+use crate::gnc::laws::reaching::{self, Reaching, Shape};
+use crate::gnc::laws::surface::{self, Surface};
 use crate::gnc::laws::{Channel, Form, LinearFeedback, SlidingMode, sliding};
 use crate::number::{Backend, Job, Mask, dispatch};
 use crate::plant::propagate::Wrench;
@@ -70,10 +70,11 @@ fn what_is_gathered_comes_apart_as_it_was_and_lanes_are_chosen_one_by_one() {
     for backend in Backend::available() {
         dispatch(backend, RoundTrip((0..9).map(|i| Wrench { force: vector(i), torque: vector(i + 9) }).collect()));
         dispatch(backend, RoundTrip((0..9).map(linear).collect()));
-        let terminal = |i: usize| Surface::Terminal { slope: vector(i), exponent: 0.1 * i as f64 };
-        let flat = |i: usize| Surface::Linear { slope: vector(i) };
-        let power = |i: usize| Shape::PowerRate { exponent: 0.1 * i as f64, inside: Form::Corrected };
-        let proportional = |i: usize| Shape::Proportional { proportional: vector(i + 40) };
+        let terminal = |i: usize| Surface::Terminal(surface::Terminal { slope: vector(i), exponent: 0.1 * i as f64 });
+        let flat = |i: usize| Surface::Linear(surface::Linear { slope: vector(i) });
+        let power =
+            |i: usize| Shape::PowerRate(reaching::PowerRate { exponent: 0.1 * i as f64, inside: Form::Corrected });
+        let proportional = |i: usize| Shape::Proportional(reaching::Proportional { proportional: vector(i + 40) });
         dispatch(backend, RoundTrip((0..9).map(|i| sliding_mode(i, terminal(i), proportional(i))).collect()));
         dispatch(backend, RoundTrip((0..9).map(|i| sliding_mode(i, flat(i), power(i))).collect()));
     }
@@ -86,8 +87,8 @@ fn two_laws_in_one_batch_are_refused() {
         linear(1),
         sliding_mode(
             1,
-            Surface::Linear { slope: vector(1) },
-            Shape::PowerRate { exponent: 0.7, inside: Form::Printed },
+            Surface::Linear(surface::Linear { slope: vector(1) }),
+            Shape::PowerRate(reaching::PowerRate { exponent: 0.7, inside: Form::Printed }),
         ),
     ];
     // A single f64 lane chooses between both.

@@ -17,13 +17,13 @@ pub mod sosmc;
 pub mod surface;
 pub mod tsmc;
 
-use crate::batch::{Batch, Fields};
-use crate::batch_struct;
+use crate::batch::Fields;
 use crate::case::Motion;
 use crate::gnc::error::TrackingError;
 use crate::number::{Mat3, Real, Vec3};
 use crate::plant::orbit::natural_acceleration;
 use crate::plant::propagate::{Wrench, WrenchFrame};
+use crate::{batch_enum, batch_struct, batch_uniform};
 pub use feedback::LinearFeedback;
 pub use sliding::SlidingMode;
 
@@ -36,6 +36,8 @@ pub enum Form {
     /// As it has to be.
     Corrected,
 }
+
+batch_uniform!(Form);
 
 /// Before capture a law flies the chaser against the debris; after it, the stack against H.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,52 +69,14 @@ pub struct ChannelError<R> {
     pub error_rate: Vec3<R>,
 }
 
-/// One channel of a law.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Channel<R> {
-    /// PD, LQR.
-    Linear(LinearFeedback<R>),
-    /// SOSMC, TSMC, PRRL-SMC.
-    Sliding(SlidingMode<R>),
-}
-
-impl<R: Real> Batch<R> for Channel<R> {
-    type One = Channel<f64>;
-
-    fn same(one: &Channel<f64>) -> Self {
-        match one {
-            Channel::Linear(linear) => Channel::Linear(Batch::same(linear)),
-            Channel::Sliding(sliding) => Channel::Sliding(Batch::same(sliding)),
-        }
+batch_enum! {
+    /// One channel of a law.
+    pub enum Channel<R> {
+        /// PD, LQR.
+        Linear(LinearFeedback<R>),
+        /// SOSMC, TSMC, PRRL-SMC.
+        Sliding(SlidingMode<R>),
     }
-
-    fn put(&mut self, i: usize, one: &Channel<f64>) {
-        match (self, one) {
-            (Channel::Linear(lanes), Channel::Linear(one)) => lanes.put(i, one),
-            (Channel::Sliding(lanes), Channel::Sliding(one)) => lanes.put(i, one),
-            _ => one_law_a_batch(),
-        }
-    }
-
-    fn scatter(&self, i: usize) -> Channel<f64> {
-        match self {
-            Channel::Linear(linear) => Channel::Linear(linear.scatter(i)),
-            Channel::Sliding(sliding) => Channel::Sliding(sliding.scatter(i)),
-        }
-    }
-
-    fn choose(mask: R::Mask, yes: &Self, no: &Self) -> Self {
-        match (yes, no) {
-            (Channel::Linear(yes), Channel::Linear(no)) => Channel::Linear(Batch::choose(mask, yes, no)),
-            (Channel::Sliding(yes), Channel::Sliding(no)) => Channel::Sliding(Batch::choose(mask, yes, no)),
-            _ => one_law_a_batch(),
-        }
-    }
-}
-
-/// The lanes of a batch fly the same law in the same form; anything else is a fault of the caller.
-fn one_law_a_batch() -> ! {
-    panic!("the flights of one batch must fly the same law in the same form")
 }
 
 batch_struct! {

@@ -8,9 +8,9 @@
 //! Printed and corrected differ inside the boundary layer, see [`super::reaching`]. As printed, -Λ e_ω stands for the
 //! rate of Λ ε, which is close to Λ e_ω/2; `exact_surface_rate` puts the true one there.
 
-use super::reaching::{Reaching, Shape};
+use super::reaching::{PowerRate, Reaching, Shape};
 use super::sliding::{Compensation, SurfaceRate};
-use super::surface::Surface;
+use super::surface::{self, Surface};
 use super::{Channel, Form, PhaseGains, Setting, SlidingMode};
 use crate::number::Vec3;
 
@@ -35,8 +35,12 @@ pub fn channels(gains: &PhaseGains<Gains>, form: Form, setting: &Setting) -> (Ch
     let surface_rate = if setting.exact_surface_rate { SurfaceRate::Exact } else { SurfaceRate::Linear };
     let channel = |gains: &Gains, natural, gyroscopic| {
         Channel::Sliding(SlidingMode {
-            surface: Surface::Linear { slope: gains.slope },
-            reaching: Reaching::new(gains.gain, gains.layer, Shape::PowerRate { exponent: gains.alpha, inside: form }),
+            surface: Surface::Linear(surface::Linear { slope: gains.slope }),
+            reaching: Reaching::new(
+                gains.gain,
+                gains.layer,
+                Shape::PowerRate(PowerRate { exponent: gains.alpha, inside: form }),
+            ),
             compensation: Compensation { natural, surface_rate, gyroscopic },
         })
     };

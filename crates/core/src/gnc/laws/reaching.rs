@@ -17,10 +17,9 @@
 //! Inside the layer the printed power rate is (K/φ) |s|^(1+α): slower than exponential. With max(|s|, φ) it is
 //! exponential, with rate K φ^(α-1). Source: Gao & Hung 1993; Eng. Proc. 2026, 121(1), 25, §3.3–3.5.
 
-use super::{Form, one_law_a_batch};
-use crate::batch::Batch;
-use crate::batch_struct;
+use super::Form;
 use crate::number::{Real, Vec3};
+use crate::{batch_enum, batch_struct};
 
 batch_struct! {
     /// A reaching law.
@@ -36,21 +35,32 @@ batch_struct! {
     }
 }
 
-/// What distinguishes one reaching law from another.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shape<R> {
-    /// ṡ = -K sat(s/φ) - α s; constant rate where α = 0.
-    Proportional {
+batch_enum! {
+    /// What distinguishes one reaching law from another.
+    pub enum Shape<R> {
+        /// ṡ = -K sat(s/φ) - α s; constant rate where α = 0.
+        Proportional(Proportional<R>),
+        /// ṡ = -K |s|^α sat(s/φ)
+        PowerRate(PowerRate<R>),
+    }
+}
+
+batch_struct! {
+    /// Proportional part of a reaching law.
+    pub struct Proportional<R> {
         /// α \[1/s\]
-        proportional: Vec3<R>,
-    },
-    /// ṡ = -K |s|^α sat(s/φ)
-    PowerRate {
+        pub proportional: Vec3<R>,
+    }
+}
+
+batch_struct! {
+    /// Power of a reaching law.
+    pub struct PowerRate<R> {
         /// α
-        exponent: R,
+        pub exponent: R,
         /// Printed: |s| throughout; corrected: max(|s|, φ).
-        inside: Form,
-    },
+        pub inside: Form,
+    }
 }
 
 impl Reaching<f64> {
@@ -66,57 +76,11 @@ impl<R: Real> Reaching<R> {
     pub fn rate(&self, s: Vec3<R>) -> Vec3<R> {
         let toward = self.gain * (s * self.inverse_layer).clamp_unit();
         match &self.shape {
-            Shape::Proportional { proportional } => -(toward + *proportional * s),
-            Shape::PowerRate { exponent, inside: Form::Printed } => -(toward * s.abs().powf(*exponent)),
-            Shape::PowerRate { exponent, inside: Form::Corrected } => {
+            Shape::Proportional(Proportional { proportional }) => -(toward + *proportional * s),
+            Shape::PowerRate(PowerRate { exponent, inside: Form::Printed }) => -(toward * s.abs().powf(*exponent)),
+            Shape::PowerRate(PowerRate { exponent, inside: Form::Corrected }) => {
                 -(toward * self.layer.max(s.abs()).powf(*exponent))
             }
-        }
-    }
-}
-
-impl<R: Real> Batch<R> for Shape<R> {
-    type One = Shape<f64>;
-
-    fn same(one: &Shape<f64>) -> Self {
-        match one {
-            Shape::Proportional { proportional } => Shape::Proportional { proportional: Batch::same(proportional) },
-            Shape::PowerRate { exponent, inside } => {
-                Shape::PowerRate { exponent: R::splat(*exponent), inside: *inside }
-            }
-        }
-    }
-
-    fn put(&mut self, i: usize, one: &Shape<f64>) {
-        match (self, one) {
-            (Shape::Proportional { proportional }, Shape::Proportional { proportional: one }) => {
-                proportional.set_lane(i, *one);
-            }
-            (Shape::PowerRate { exponent, inside }, Shape::PowerRate { exponent: one, inside: own })
-                if inside == own =>
-            {
-                exponent.set_lane(i, *one);
-            }
-            _ => one_law_a_batch(),
-        }
-    }
-
-    fn scatter(&self, i: usize) -> Shape<f64> {
-        match self {
-            Shape::Proportional { proportional } => Shape::Proportional { proportional: proportional.lane(i) },
-            Shape::PowerRate { exponent, inside } => Shape::PowerRate { exponent: exponent.lane(i), inside: *inside },
-        }
-    }
-
-    fn choose(mask: R::Mask, yes: &Self, no: &Self) -> Self {
-        match (yes, no) {
-            (Shape::Proportional { proportional: yes }, Shape::Proportional { proportional: no }) => {
-                Shape::Proportional { proportional: Vec3::select(mask, *yes, *no) }
-            }
-            (Shape::PowerRate { exponent: yes, inside }, Shape::PowerRate { exponent: no, .. }) => {
-                Shape::PowerRate { exponent: R::select(mask, *yes, *no), inside: *inside }
-            }
-            _ => one_law_a_batch(),
         }
     }
 }

@@ -6,11 +6,11 @@
 //!
 //! The channel then takes off the natural acceleration and adds the gyroscopic torque, as the [`Compensation`] says.
 
+use super::ChannelError;
 use super::reaching::Reaching;
 use super::surface::Surface;
-use super::{ChannelError, one_law_a_batch};
-use crate::batch::Batch;
 use crate::number::{Real, Vec3};
+use crate::{batch_struct, batch_uniform};
 
 /// How the surface's own rate, ṡ without control, is taken off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,15 +34,18 @@ pub struct Compensation {
     pub gyroscopic: f64,
 }
 
-/// A sliding-mode channel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SlidingMode<R> {
-    /// s of the errors.
-    pub surface: Surface<R>,
-    /// ṡ demanded of s.
-    pub reaching: Reaching<R>,
-    /// What is taken off.
-    pub compensation: Compensation,
+batch_uniform!(Compensation);
+
+batch_struct! {
+    /// A sliding-mode channel.
+    pub struct SlidingMode<R> {
+        /// s of the errors.
+        pub surface: Surface<R>,
+        /// ṡ demanded of s.
+        pub reaching: Reaching<R>,
+        /// What is taken off.
+        pub compensation: Compensation,
+    }
 }
 
 impl<R: Real> SlidingMode<R> {
@@ -54,42 +57,6 @@ impl<R: Real> SlidingMode<R> {
             SurfaceRate::Off => reaching,
             SurfaceRate::Linear => reaching - self.surface.slope() * errors.rate,
             SurfaceRate::Exact => reaching - self.surface.own_rate(errors),
-        }
-    }
-}
-
-impl<R: Real> Batch<R> for SlidingMode<R> {
-    type One = SlidingMode<f64>;
-
-    fn same(one: &SlidingMode<f64>) -> Self {
-        Self {
-            surface: Batch::same(&one.surface),
-            reaching: Batch::same(&one.reaching),
-            compensation: one.compensation,
-        }
-    }
-
-    fn put(&mut self, i: usize, one: &SlidingMode<f64>) {
-        if one.compensation != self.compensation {
-            one_law_a_batch();
-        }
-        self.surface.put(i, &one.surface);
-        self.reaching.put(i, &one.reaching);
-    }
-
-    fn scatter(&self, i: usize) -> SlidingMode<f64> {
-        SlidingMode {
-            surface: self.surface.scatter(i),
-            reaching: self.reaching.scatter(i),
-            compensation: self.compensation,
-        }
-    }
-
-    fn choose(mask: R::Mask, yes: &Self, no: &Self) -> Self {
-        Self {
-            surface: Batch::choose(mask, &yes.surface, &no.surface),
-            reaching: Batch::choose(mask, &yes.reaching, &no.reaching),
-            compensation: yes.compensation,
         }
     }
 }

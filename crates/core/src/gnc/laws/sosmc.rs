@@ -6,9 +6,9 @@
 //! s = e_ω + c ε       τ = I (-K sat(s/φ) - α s) ∓ ω × (I ω)      printed: minus; corrected: plus, which cancels
 //! ```
 
-use super::reaching::{Reaching, Shape};
+use super::reaching::{Proportional, Reaching, Shape};
 use super::sliding::{Compensation, SurfaceRate};
-use super::surface::Surface;
+use super::surface::{self, Surface};
 use super::{Channel, Form, PhaseGains, SlidingMode};
 use crate::number::Vec3;
 
@@ -32,8 +32,12 @@ crate::fields!(Gains: slope, gain, proportional, layer);
 pub fn channels(gains: &PhaseGains<Gains>, form: Form) -> (Channel<f64>, Channel<f64>) {
     let channel = |gains: &Gains, gyroscopic| {
         Channel::Sliding(SlidingMode {
-            surface: Surface::Linear { slope: gains.slope },
-            reaching: Reaching::new(gains.gain, gains.layer, Shape::Proportional { proportional: gains.proportional }),
+            surface: Surface::Linear(surface::Linear { slope: gains.slope }),
+            reaching: Reaching::new(
+                gains.gain,
+                gains.layer,
+                Shape::Proportional(Proportional { proportional: gains.proportional }),
+            ),
             compensation: Compensation { natural: false, surface_rate: SurfaceRate::Off, gyroscopic },
         })
     };

@@ -8,9 +8,9 @@
 //! Printed: p/q > 1, which on the surface converges only polynomially. Corrected: p/q < 1, in finite time. The exponent
 //! comes with the gains, so the form needs no switch here.
 
-use super::reaching::{Reaching, Shape};
+use super::reaching::{Proportional, Reaching, Shape};
 use super::sliding::{Compensation, SurfaceRate};
-use super::surface::Surface;
+use super::surface::{self, Surface};
 use super::{Channel, PhaseGains, Setting, SlidingMode};
 use crate::number::Vec3;
 
@@ -35,8 +35,12 @@ pub fn channels(gains: &PhaseGains<Gains>, setting: &Setting) -> (Channel<f64>, 
     let surface_rate = if setting.exact_surface_rate { SurfaceRate::Exact } else { SurfaceRate::Off };
     let channel = |gains: &Gains, natural, gyroscopic| {
         Channel::Sliding(SlidingMode {
-            surface: Surface::Terminal { slope: gains.slope, exponent: gains.exponent },
-            reaching: Reaching::new(gains.gain, gains.layer, Shape::Proportional { proportional: Vec3([0.0; 3]) }),
+            surface: Surface::Terminal(surface::Terminal { slope: gains.slope, exponent: gains.exponent }),
+            reaching: Reaching::new(
+                gains.gain,
+                gains.layer,
+                Shape::Proportional(Proportional { proportional: Vec3([0.0; 3]) }),
+            ),
             compensation: Compensation { natural, surface_rate, gyroscopic },
         })
     };

@@ -6,11 +6,11 @@ fn law(gain: f64, layer: f64, shape: Shape<f64>) -> Reaching<f64> {
 }
 
 fn proportional(alpha: f64) -> Shape<f64> {
-    Shape::Proportional { proportional: Vec3([alpha; 3]) }
+    Shape::Proportional(Proportional { proportional: Vec3([alpha; 3]) })
 }
 
 fn power(exponent: f64, inside: Form) -> Shape<f64> {
-    Shape::PowerRate { exponent, inside }
+    Shape::PowerRate(PowerRate { exponent, inside })
 }
 
 /// Time of s from `from` down to `to` under the law's own ṡ: RK4 in steps that change s by about 2e-3 of itself.
@@ -57,7 +57,7 @@ fn laws_are_odd_vanish_on_the_surface_and_are_continuous_at_the_layer() {
 
 #[test]
 fn each_axis_has_its_own_gain_and_layer() {
-    let shape = Shape::Proportional { proportional: Vec3([0.0, 1.0, 2.0]) };
+    let shape = Shape::Proportional(Proportional { proportional: Vec3([0.0, 1.0, 2.0]) });
     let law = Reaching::new(Vec3([1.0, 2.0, 3.0]), Vec3([0.1, 0.2, 0.4]), shape);
     // sat = (1, 0.5, 0.25).
     assert_near(&law.rate(Vec3([0.1; 3])).0, &[-1.0, -1.1, -0.95], 1e-15);

@@ -2,7 +2,7 @@ use super::*;
 use crate::tests::{Dice, assert_near};
 
 fn terminal(slope: f64, exponent: f64) -> Surface<f64> {
-    Surface::Terminal { slope: Vec3([slope; 3]), exponent }
+    Surface::Terminal(Terminal { slope: Vec3([slope; 3]), exponent })
 }
 
 fn errors(error: Vec3<f64>, rate: Vec3<f64>) -> ChannelError<f64> {
@@ -12,7 +12,7 @@ fn errors(error: Vec3<f64>, rate: Vec3<f64>) -> ChannelError<f64> {
 #[test]
 fn values_have_their_known_numbers() {
     let e = errors(Vec3([0.04, -0.09, 0.0]), Vec3([0.1, 0.2, -0.3]));
-    let linear = Surface::Linear { slope: Vec3([0.5, 1.0, 2.0]) };
+    let linear = Surface::Linear(Linear { slope: Vec3([0.5, 1.0, 2.0]) });
     assert_near(&linear.value(&e).0, &[0.12, 0.11, -0.3], 1e-16);
     // |e|^½ = (0.2, 0.3, 0), |e|^(3/2) = (0.008, 0.027, 0).
     assert_near(&terminal(2.0, 0.5).value(&e).0, &[0.5, -0.4, -0.3], 1e-15);
@@ -41,7 +41,9 @@ fn time_on_the_surface_is_the_exact_one() {
 #[test]
 fn own_rate_is_the_derivative_of_the_surface_at_constant_rate() {
     let mut noise = Dice::new(30);
-    for surface in [Surface::Linear { slope: Vec3([0.1, 0.2, 0.3]) }, terminal(0.7, 0.6), terminal(0.7, 5.0 / 3.0)] {
+    for surface in
+        [Surface::Linear(Linear { slope: Vec3([0.1, 0.2, 0.3]) }), terminal(0.7, 0.6), terminal(0.7, 5.0 / 3.0)]
+    {
         for _ in 0..50 {
             let (error, error_rate, rate) = (noise.vector(0.5), noise.vector(0.1), noise.vector(0.1));
             // Away from the corner at e = 0, where the terminal surface has no derivative for p < 1.
