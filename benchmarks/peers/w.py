@@ -16,6 +16,20 @@ class Gains:
     alpha: float
 
 
+PLAN = {
+    "goal": "fixed",
+    "stack_goal": "reached",
+    "distance_from": "goal",
+    "transition": "none",
+    "stack_belief": "design",
+    "saturation": "per_axis",
+    "attitude_error": "epsilon",
+    "surface_rate": "printed",
+    "end": "duration",
+}
+"""The models of the plan that the peers fly."""
+
+
 @dataclass(frozen=True)
 class Workload:
     """Two rigid bodies, PRRL-SMC in both channels, noise (docs/explanation.md). SI; inertias are principal moments."""
@@ -46,8 +60,7 @@ class Workload:
             ValueError: the case asks for something that the peers' implementations leave out.
         """
         plan, law, sensors, actuators = case["plan"], case["law"], case["sensors"], case["actuators"]
-        beyond = {name: value for name, value in plan.items() if value is True} | {
-            "end": plan["end"] if plan["end"] != "duration" else None,
+        beyond = {name: plan[name] for name, flown in PLAN.items() if plan[name] != flown} | {
             "law": law if (law["kind"], law["form"]) != ("prrl", "printed") else None,
             "velocity noise": sensors["velocity"],
             "actuators' errors": [

@@ -75,7 +75,7 @@ def test_open_loop_counts_segments_in_ticks_and_never_merges(paper: Scenario) ->
     recipe = case(with_settings(paper, [segment]), "none")
     expected = {"first_tick": 3, "end_tick": 11, "frame": "body", "force": [0.0] * 3, "torque": [1.0, 2.0, 3.0]}
     assert recipe["law"] == {"kind": "none", "segments": [expected]}
-    assert recipe["plan"]["merge"] is False
+    assert recipe["plan"]["transition"] == "none"
 
 
 def test_open_loop_that_outlasts_the_flight_acts_to_its_end(paper: Scenario) -> None:

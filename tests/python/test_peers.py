@@ -77,7 +77,7 @@ def test_peers_read_w_as_the_scenario_has_it() -> None:
 @pytest.mark.parametrize(
     ("section", "change"),
     [
-        ("plan", {"merge": True}),
+        ("plan", {"transition": "approximate"}),
         ("law", {"form": "corrected"}),
         ("law", {"kind": "pd"}),
         ("sensors", {"velocity": 1e-3}),

@@ -55,7 +55,7 @@ def test_the_case_is_the_yardstick() -> None:
     recipe = workload()
     plan, before = recipe["plan"], recipe["law"]["before"]
     assert (plan["control_period"], plan["steps_per_period"], plan["periods"]) == (0.05, 1, 2400)
-    assert plan["merge"] is False
+    assert plan["transition"] == "none"
     assert before["translation"] == {"slope": [0.15] * 3, "gain": [0.05] * 3, "layer": [0.05] * 3, "alpha": 0.7}
     assert before["rotation"] == {"slope": [0.3] * 3, "gain": [0.2] * 3, "layer": [0.1] * 3, "alpha": 0.7}
     assert recipe["sensors"] == {"position": 1e-3, "velocity": 0.0, "attitude": math.radians(0.1), "rate": 1e-4}

@@ -5,6 +5,7 @@ use crate::batch::Fields;
 use crate::case_struct;
 use crate::gnc::laws::LawRecipe;
 use crate::number::{Mat3, Quat, Vec3};
+use crate::plan::Plan;
 
 case_struct! {
     /// Every number of a flight, before a law's gains.
@@ -163,63 +164,6 @@ case_struct! {
         pub stack_mass: R,
         /// After capture, C axes.
         pub stack_inertia: Mat3<R>,
-    }
-}
-
-/// What is the same for every flight of a batch: clocks, models, switches.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
-pub struct Plan {
-    /// Time between two commands \[s\].
-    pub control_period: f64,
-    /// Integration steps in a control period.
-    pub steps_per_period: u32,
-    /// Control periods in the flight.
-    pub periods: u32,
-    /// Ticks for which the capture thresholds must have held before.
-    pub dwell_ticks: u32,
-    /// The goal is where the grasp points meet, instead of a fixed position.
-    pub grasp: bool,
-    /// Laws add the goal's acceleration (grasp points only).
-    pub feedforward: bool,
-    /// The stack has a goal of its own.
-    pub goal_after_given: bool,
-    /// Capture distance counts from the debris, not from the goal.
-    pub distance_from_debris: bool,
-    /// Capture conserves linear and angular momentum; else the paper's approximation.
-    pub momentum_conserving: bool,
-    /// The bodies join at capture; else the first time the thresholds hold is only noted.
-    pub merge: bool,
-    /// Laws are told the stack's true mass and inertia.
-    pub true_stack: bool,
-    /// A demand over the limit is scaled as a vector; else clipped axis by axis.
-    pub scaled_saturation: bool,
-    /// The laws' attitude error is 2 ε, not ε.
-    pub two_epsilon: bool,
-    /// Sliding laws cancel the exact rate of their surface.
-    pub exact_surface_rate: bool,
-    /// When a flight is over.
-    pub end: End,
-    /// Ticks for which a stack must have stayed settled before [`End::Settled`] ends the flight.
-    pub hold_ticks: u32,
-}
-
-/// When a flight is over; never later than after its last period.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
-pub enum End {
-    /// After its last period.
-    Duration,
-    /// At capture, or when it has become non-finite.
-    Captured,
-    /// When the stack has been settled for a while (at capture, where nothing merges), or when it has become non-finite.
-    Settled,
-}
-
-impl Plan {
-    /// Integration step \[s\].
-    pub fn step(&self) -> f64 {
-        self.control_period / f64::from(self.steps_per_period)
     }
 }
 

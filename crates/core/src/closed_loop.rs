@@ -5,17 +5,18 @@
 
 use crate::batch::Batch;
 use crate::batch_struct;
-use crate::case::{Motion, Plan};
+use crate::case::Motion;
 use crate::gnc::capture::{CaptureState, Judged};
 use crate::gnc::error::TrackingError;
-use crate::gnc::guidance::{self, Target};
-use crate::gnc::laws::{Law, Told};
+use crate::gnc::guidance::{self, StackGoal, Target};
+use crate::gnc::laws::{Law, StackBelief, Told};
 use crate::hardware::actuators::actuate;
 use crate::hardware::sensors::sense;
 use crate::number::{Mask, Quat, Real, Stream, Vec3};
+use crate::plan::Plan;
 use crate::plant::lvlh::Lvlh;
 use crate::plant::propagate::{Period, Vehicle, Wrench, WrenchFrame, propagate};
-use crate::plant::stack::{merge_approximate, merge_conserving};
+use crate::plant::stack::{Transition, merge_approximate, merge_conserving};
 use crate::scene::{Scene, no_gains};
 
 /// What happens at one control tick of every lane, up to the wrench that is then held; and whose flight is over here.
@@ -32,11 +33,11 @@ fn control_tick<R: Real, O: Observer<R>>(
 
     let mut target = guide(scene, flight, &flight.truth, time);
     let mut error = TrackingError::between(&flight.truth, &target);
-    let judged = Judged::of(&error, &flight.truth, plan.distance_from_debris);
+    let judged = Judged::of(&error, &flight.truth, plan.distance_from);
     let captured_now = flight.capture.judge(scene.numbers.capture.holds(&judged), time, plan.dwell_ticks);
     if captured_now.any() {
         observer.captured(scene, captured_now, &flight.truth, error);
-        if plan.merge {
+        if plan.transition.merges() {
             merge(scene, flight, captured_now, time);
             observer.merged(captured_now, flight);
             target = guide(scene, flight, &flight.truth, time);
@@ -48,7 +49,7 @@ fn control_tick<R: Real, O: Observer<R>>(
     let goal = guide(scene, flight, &seen, time);
     let seen_error = TrackingError::between(&seen, &goal);
     let (demand, frame) = command(scene, flight, &seen, &seen_error, &goal, number);
-    let applied = actuate(&scene.numbers.case.actuators, &demand, plan.scaled_saturation);
+    let applied = actuate(&scene.numbers.case.actuators, &demand, plan.saturation);
 
     let flown = number.lt(R::splat(f64::from(plan.periods))) & flight.commanded();
     let tick = Tick { number, time, flown, target, judged, error, demand, applied };
@@ -102,21 +103,29 @@ pub fn fly<R: Real, O: Observer<R>>(
 fn merge<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, lanes: R::Mask, time: R) {
     let case = &scene.numbers.case;
     let reached = scene.approach(&flight.truth, time).position;
-    let stack = if scene.plan.momentum_conserving {
-        let lvlh = Lvlh::at(&case.orbit, time);
-        merge_conserving(&case.chaser, &case.debris, &flight.truth, &lvlh)
-    } else {
-        merge_approximate(&case.chaser, &case.debris, &flight.truth)
+    let stack = match scene.plan.transition {
+        Transition::MomentumConserving => {
+            let lvlh = Lvlh::at(&case.orbit, time);
+            merge_conserving(&case.chaser, &case.debris, &flight.truth, &lvlh)
+        }
+        Transition::Approximate => merge_approximate(&case.chaser, &case.debris, &flight.truth),
+        Transition::None => return,
     };
     let mount = flight.truth.chaser_attitude.conjugate() * flight.truth.debris_attitude;
-    let goal = if scene.plan.goal_after_given { case.goal.after_capture } else { reached };
+    let goal = match scene.plan.stack_goal {
+        StackGoal::Given => case.goal.after_capture,
+        StackGoal::Reached => reached,
+    };
 
     flight.mount = Quat::select(lanes, mount, flight.mount);
     flight.stack_goal = Vec3::select(lanes, goal, flight.stack_goal);
     flight.truth = Motion::choose(lanes, &stack.motion, &flight.truth);
     flight.vehicle = Vehicle::choose(lanes, &stack.vehicle, &flight.vehicle);
     if let (Some(law), Some(after)) = (&flight.law, &scene.law_after) {
-        let after = if scene.plan.true_stack { scene.laws_for(lanes, &flight.vehicle, after) } else { *after };
+        let after = match scene.plan.stack_belief {
+            StackBelief::True => scene.laws_for(lanes, &flight.vehicle, after),
+            StackBelief::Design => *after,
+        };
         flight.law = Some(Law::choose(lanes, &after, law));
         for i in (0..R::LANES).filter(|&i| lanes.lane(i)) {
             flight.no_gains.set_lane(i, no_gains(&Batch::<R>::scatter(&after, i)));
@@ -129,7 +138,7 @@ fn merge<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, lanes: R::Mask, time
 #[inline(always)]
 fn ride_along<R: Real>(plan: &Plan, flight: &mut Flight<R>) {
     let merged = flight.capture.captured();
-    if plan.merge && merged.any() {
+    if plan.transition.merges() && merged.any() {
         let attitude = flight.truth.chaser_attitude * flight.mount;
         let rate = flight.mount.rotate_inverse(flight.truth.chaser_rate);
         flight.truth.debris_attitude = Quat::select(merged, attitude, flight.truth.debris_attitude);
@@ -142,7 +151,7 @@ fn ride_along<R: Real>(plan: &Plan, flight: &mut Flight<R>) {
 pub(crate) fn guide<R: Real>(scene: &Scene<R>, flight: &Flight<R>, motion: &Motion<R>, time: R) -> Target<R> {
     let approach = scene.approach(motion, time);
     let merged = flight.capture.captured();
-    if scene.plan.merge && merged.any() {
+    if scene.plan.transition.merges() && merged.any() {
         let lvlh = Lvlh::at(&scene.numbers.case.orbit, time);
         let stack = guidance::stabilise(flight.stack_goal, &lvlh);
         Target::choose(merged, &stack, &approach)
@@ -166,8 +175,8 @@ fn command<R: Real>(
             let told = Told {
                 motion: seen,
                 mean_motion: scene.numbers.case.orbit.mean_motion,
-                feedforward: scene.plan.feedforward.then_some(goal.acceleration),
-                two_epsilon: scene.plan.two_epsilon,
+                feedforward: scene.plan.goal.feeds_acceleration().then_some(goal.acceleration),
+                attitude_error: scene.plan.attitude_error,
             };
             (law.command(error, &told), WrenchFrame::Command)
         }

@@ -112,7 +112,7 @@ impl<R: Real> Observer<R> for History {
             return;
         }
         let error = &tick.error;
-        let counted = if scene.plan.distance_from_debris { truth.position } else { error.position };
+        let counted = scene.plan.distance_from.counted(truth, error);
         let half_sine = error.attitude.vector().lane(0).norm();
         let angle = 2.0 * half_sine.atan2(error.attitude.scalar().lane(0));
         let captured = flight.capture.captured().lane(0);

@@ -23,6 +23,7 @@ pub mod hardware;
 pub mod history;
 pub mod metrics;
 pub mod number;
+pub mod plan;
 pub mod plant;
 pub mod scene;
 

@@ -14,10 +14,11 @@
 //! | momentum | \|I ω\| of the stack about its centre of mass, ω against N |
 
 use crate::batch_struct;
-use crate::case::{End, Motion, Plan};
+use crate::case::Motion;
 use crate::closed_loop::{Flight, Observer, Tick, guide};
 use crate::gnc::error::TrackingError;
 use crate::number::{Mask, Real, Vec3};
+use crate::plan::{End, Plan};
 use crate::plant::propagate::Wrench;
 use crate::scene::Scene;
 
@@ -109,7 +110,7 @@ impl<R: Real> Default for Metrics<R> {
 
 impl<R: Real> Observer<R> for Metrics<R> {
     fn captured(&mut self, scene: &Scene<R>, lanes: R::Mask, before: &Motion<R>, error: TrackingError<R>) {
-        let judged = if scene.plan.distance_from_debris { before.position } else { error.position };
+        let judged = scene.plan.distance_from.counted(before, &error);
         let keep = |new: R, old: R| R::select(lanes, new, old);
         let at = &mut self.at_capture;
         at.distance = keep(judged.norm(), at.distance);
@@ -131,7 +132,7 @@ impl<R: Real> Observer<R> for Metrics<R> {
         let finite = judged.is_finite();
         self.diverged = self.diverged.min(R::select(finite, R::splat(NEVER), tick.time));
 
-        if scene.plan.merge {
+        if scene.plan.transition.merges() {
             let holds = scene.numbers.settled.holds(&tick.error);
             self.last_unsettled = R::select(holds, self.last_unsettled, tick.time);
         }
@@ -159,7 +160,7 @@ impl<R: Real> Observer<R> for Metrics<R> {
         let captured = flight.capture.captured();
         let done = match plan.end {
             End::Duration => return R::Mask::splat(false),
-            End::Settled if plan.merge => {
+            End::Settled if plan.transition.merges() => {
                 let hold = (f64::from(plan.hold_ticks) - 0.5) * plan.control_period;
                 captured & R::splat(hold).lt(tick.time - self.settled_from(flight, plan))
             }
@@ -208,7 +209,7 @@ impl<R: Real> Metrics<R> {
         let time = number * R::splat(plan.control_period);
         let error = TrackingError::between(&flight.truth, &guide(scene, flight, &flight.truth, time));
         let captured = flight.capture.time.lane(i).is_finite();
-        let merged = captured && plan.merge;
+        let merged = captured && plan.transition.merges();
         let diverged = self.diverged.lane(i);
         let no_gains = !flight.commanded().lane(i);
         let if_so = |so: bool, value: f64| if so { value } else { f64::NAN };

@@ -2,18 +2,20 @@
 
 use crate::batch::Batch;
 use crate::batch_struct;
-use crate::case::{Case, FlightRecipe, Motion, Plan};
+use crate::case::{Case, FlightRecipe, Motion};
 use crate::clock::Clock;
 use crate::closed_loop::Flight;
 use crate::gnc::capture::{CaptureState, CaptureTest, SettledTest};
-use crate::gnc::guidance::{self, GraspPoints, Target};
+use crate::gnc::guidance::{self, Goal, GraspPoints, Target};
 use crate::gnc::laws::{Law, LawRecipe, MassProperties, Phase, Segment, Setting};
 use crate::hardware::sensors::Noisy;
 use crate::number::{Mask, Quat, Real, Vec3};
+use crate::plan::Plan;
 use crate::plant::attitude::Inertia;
 use crate::plant::lvlh::Lvlh;
 use crate::plant::orbit::HeldStep;
 use crate::plant::propagate::{Shapes, Surroundings, Vehicle, Wrench, WrenchFrame};
+use crate::plant::stack::Transition;
 use crate::plant::top::{FreeTop, is_symmetric_top};
 use std::sync::Arc;
 
@@ -67,8 +69,8 @@ impl Laws {
     pub fn new(recipe: &LawRecipe, case: &Case<f64>, plan: &Plan) -> Self {
         let setting = Setting {
             mean_motion: case.orbit.mean_motion,
-            two_epsilon: plan.two_epsilon,
-            exact_surface_rate: plan.exact_surface_rate,
+            attitude_error: plan.attitude_error,
+            surface_rate: plan.surface_rate,
         };
         let belief = &case.belief;
         let chaser = MassProperties { mass: belief.chaser_mass, inertia: belief.chaser_inertia };
@@ -137,7 +139,7 @@ pub struct Common {
 impl Common {
     /// Of flights of this case that differ in the numbers at some paths.
     pub fn new<'a>(case: &Case<f64>, plan: &Plan, differing: impl IntoIterator<Item = &'a str>) -> Self {
-        let merges_askew = plan.merge && plan.momentum_conserving;
+        let merges_askew = plan.transition == Transition::MomentumConserving;
         let (chaser, debris) = (&case.chaser.inertia, &case.debris.inertia);
         let mut noisy = Noisy::new(&case.sensors);
         let mut shapes = Shapes {
@@ -200,7 +202,7 @@ impl<R: Real> Scene<R> {
     #[inline(always)]
     pub(crate) fn approach(&self, motion: &Motion<R>, time: R) -> Target<R> {
         let case = &self.numbers.case;
-        if !self.plan.grasp {
+        if self.plan.goal == Goal::Fixed {
             return guidance::fixed_point(case.goal.position, motion);
         }
         let grasp = GraspPoints {
@@ -208,7 +210,7 @@ impl<R: Real> Scene<R> {
             debris: case.debris.grasp_point,
             debris_inertia: self.numbers.around.debris,
         };
-        guidance::grasp_points(&grasp, motion, &Lvlh::at(&case.orbit, time), self.plan.feedforward)
+        guidance::grasp_points(&grasp, motion, &Lvlh::at(&case.orbit, time), self.plan.goal.feeds_acceleration())
     }
 
     /// The laws of stacks that have just been made, told their true mass and inertia; in other lanes `designed`.

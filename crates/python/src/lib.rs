@@ -4,12 +4,13 @@ mod draw;
 mod many;
 
 use detumble_campaign::{FlightRecord, fly_one};
-use detumble_core::case::{Case, FlightRecipe, Plan};
+use detumble_core::case::{Case, FlightRecipe};
 use detumble_core::clock::Clock;
-use detumble_core::gnc::laws::{LawRecipe, lqr};
+use detumble_core::gnc::laws::{AttitudeError, LawRecipe, lqr};
 use detumble_core::history::Merge;
 use detumble_core::metrics::Summary;
 use detumble_core::number::{Backend, Mat3, Vec3, fma_peak};
+use detumble_core::plan::Plan;
 use detumble_core::scene::{Common, Laws};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -134,7 +135,8 @@ fn lqr_rotation(
     two_epsilon: bool,
 ) -> ([[f64; 3]; 3], [[f64; 3]; 3]) {
     let weights = lqr::Weights { q_error: Vec3(q_error), q_rate: Vec3(q_rate), r };
-    let [error, rate] = lqr::rotation_gain(&weights, &Mat3(inertia), two_epsilon);
+    let attitude_error = if two_epsilon { AttitudeError::TwoEpsilon } else { AttitudeError::Epsilon };
+    let [error, rate] = lqr::rotation_gain(&weights, &Mat3(inertia), attitude_error);
     (error.0, rate.0)
 }
 

@@ -185,16 +185,20 @@ def _plan(scenario: Scenario, law: str, until_the_end: bool) -> Tree:
         "steps_per_period": steps_per_period(scenario),
         "periods": periods,
         "dwell_ticks": counted(capture.dwell),
-        "grasp": scenario.has_grasp_points,
-        "feedforward": scenario.goal.acceleration_feedforward,
-        "goal_after_given": scenario.goal.position_after_capture is not None,
-        "distance_from_debris": capture.distance_from == "debris",
-        "momentum_conserving": capture.transition == "momentum_conserving",
-        "merge": capture.merge and law != "none",
-        "true_stack": scenario.belief.stack == "true",
-        "scaled_saturation": scenario.actuators.saturation == "scaled",
-        "two_epsilon": laws.attitude_error == "two_epsilon",
-        "exact_surface_rate": laws.surface_rate == "exact",
+        "goal": _goal_kind(scenario),
+        "stack_goal": "reached" if scenario.goal.position_after_capture is None else "given",
+        "distance_from": capture.distance_from,
+        "transition": capture.transition if capture.merge and law != "none" else "none",
+        "stack_belief": scenario.belief.stack,
+        "saturation": scenario.actuators.saturation,
+        "attitude_error": laws.attitude_error,
+        "surface_rate": laws.surface_rate,
         "end": "duration" if until_the_end or law == "none" else scenario.campaign.end,
         "hold_ticks": counted(scenario.campaign.hold),
     }
+
+
+def _goal_kind(scenario: Scenario) -> str:
+    if not scenario.has_grasp_points:
+        return "fixed"
+    return "grasp_feedforward" if scenario.goal.acceleration_feedforward else "grasp"

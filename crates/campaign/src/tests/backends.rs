@@ -1,6 +1,7 @@
 use super::fixture::{Campaign, LAWS, Way, alone, bits};
 use crate::Outcome;
 use detumble_core::case::{Motion, NoiseSigmas};
+use detumble_core::gnc::laws::SurfaceRate;
 use detumble_core::number::Backend;
 
 const WAYS: [Way; 2] = [Way::Paper, Way::Corrected];
@@ -149,7 +150,7 @@ fn portable_numbers_agree_with_lanes_over_600_s_without_noise() {
             println!("{law} {way:?}: {apart:.0e}");
             assert!(apart < if terminal { 1e-4 } else { 1e-12 }, "{law} {way:?}: {apart:e}");
             if terminal {
-                campaign.plan.exact_surface_rate = false;
+                campaign.plan.surface_rate = SurfaceRate::Printed;
                 let apart = furthest(&campaign);
                 println!("{law} {way:?}, own rate not taken off: {apart:.0e}");
                 assert!(apart < 1e-11);

@@ -3,8 +3,15 @@
 use crate::{Column, Fleet, FlightRecord, Operation, Outcome, fly_many, fly_one};
 use detumble_core::batch::Fields;
 use detumble_core::case::*;
-use detumble_core::gnc::laws::{Form, Gains, LawRecipe, PhaseGains, lqr, pd, prrl, sosmc, tsmc};
+use detumble_core::gnc::capture::DistanceFrom;
+use detumble_core::gnc::guidance::{Goal, StackGoal};
+use detumble_core::gnc::laws::{
+    AttitudeError, Form, Gains, LawRecipe, PhaseGains, StackBelief, SurfaceRate, lqr, pd, prrl, sosmc, tsmc,
+};
+use detumble_core::hardware::actuators::Saturation;
 use detumble_core::number::{Backend, Mat3, Quat, Stream, Vec3};
+use detumble_core::plan::{End, Plan};
+use detumble_core::plant::stack::Transition;
 use detumble_core::scene::Common;
 use std::sync::atomic::AtomicUsize;
 
@@ -149,16 +156,14 @@ fn plan(way: Way, periods: u32) -> Plan {
         steps_per_period: 2,
         periods,
         dwell_ticks: if corrected { 3 } else { 0 },
-        grasp: corrected,
-        feedforward: corrected,
-        goal_after_given: corrected,
-        distance_from_debris: false,
-        momentum_conserving: corrected,
-        merge: true,
-        true_stack: corrected,
-        scaled_saturation: corrected,
-        two_epsilon: corrected,
-        exact_surface_rate: corrected,
+        goal: if corrected { Goal::GraspFeedforward } else { Goal::Fixed },
+        stack_goal: if corrected { StackGoal::Given } else { StackGoal::Reached },
+        distance_from: DistanceFrom::Goal,
+        transition: if corrected { Transition::MomentumConserving } else { Transition::Approximate },
+        stack_belief: if corrected { StackBelief::True } else { StackBelief::Design },
+        saturation: if corrected { Saturation::Scaled } else { Saturation::PerAxis },
+        attitude_error: if corrected { AttitudeError::TwoEpsilon } else { AttitudeError::Epsilon },
+        surface_rate: if corrected { SurfaceRate::Exact } else { SurfaceRate::Printed },
         end: End::Duration,
         hold_ticks: 0,
     }

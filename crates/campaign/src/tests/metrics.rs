@@ -3,6 +3,7 @@
 use super::fixture::{Campaign, LAWS, Way, alone};
 use crate::FlightRecord;
 use detumble_core::case::FlightRecipe;
+use detumble_core::gnc::guidance::Goal;
 use detumble_core::number::Backend;
 
 /// Rows of a series as slices.
@@ -89,7 +90,7 @@ fn check(recipe: &FlightRecipe, record: &FlightRecord) {
 
     // At capture, from the state before the merge; the goal is what it was a moment before the stack's own took over.
     let before = &merge.before;
-    if !plan.grasp {
+    if plan.goal == Goal::Fixed {
         let goal = case.goal.position;
         same("capture distance", s.capture_distance, (before.position - goal).norm());
         same("capture speed", s.capture_speed, before.velocity.norm());

@@ -2,8 +2,8 @@
 
 use super::fixture::{Campaign, LAWS, Way, alone, bits, operation};
 use crate::{Column, Fleet, fly_many};
-use detumble_core::case::End;
 use detumble_core::number::Backend;
+use detumble_core::plan::End;
 
 #[test]
 fn flights_of_unequal_length_relieve_one_another_and_keep_their_bits() {

@@ -52,11 +52,7 @@ fn sliding_mode(i: usize, surface: Surface<f64>, shape: Shape<f64>) -> Channel<f
     Channel::Sliding(SlidingMode {
         surface,
         reaching: Reaching::new(vector(i), vector(i + 20), shape),
-        compensation: sliding::Compensation {
-            natural: true,
-            surface_rate: sliding::SurfaceRate::Exact,
-            gyroscopic: 1.0,
-        },
+        compensation: sliding::Compensation { natural: true, surface_rate: sliding::OwnRate::Exact, gyroscopic: 1.0 },
     })
 }
 

@@ -2,9 +2,15 @@
 
 use super::*;
 use crate::case::*;
+use crate::gnc::capture::DistanceFrom;
+use crate::gnc::guidance::{Goal, StackGoal};
 use crate::gnc::laws::LawRecipe;
+use crate::gnc::laws::{AttitudeError, StackBelief, SurfaceRate};
 use crate::gnc::laws::{Form, Gains, PhaseGains, pd};
+use crate::hardware::actuators::Saturation;
 use crate::number::Mat3;
+use crate::plan::{End, Plan};
+use crate::plant::stack::Transition;
 use crate::scene::{Common, PreparedFlight};
 use crate::tests::assert_near;
 
@@ -74,16 +80,14 @@ fn recipe() -> FlightRecipe {
             steps_per_period: 5,
             periods: 20,
             dwell_ticks: 0,
-            grasp: false,
-            feedforward: false,
-            goal_after_given: false,
-            distance_from_debris: false,
-            momentum_conserving: true,
-            merge: true,
-            true_stack: false,
-            scaled_saturation: false,
-            two_epsilon: false,
-            exact_surface_rate: false,
+            goal: Goal::Fixed,
+            stack_goal: StackGoal::Reached,
+            distance_from: DistanceFrom::Goal,
+            transition: Transition::MomentumConserving,
+            stack_belief: StackBelief::Design,
+            saturation: Saturation::PerAxis,
+            attitude_error: AttitudeError::Epsilon,
+            surface_rate: SurfaceRate::Printed,
             end: End::Duration,
             hold_ticks: 0,
         },
@@ -170,7 +174,7 @@ fn debris_rides_on_the_stack_as_it_was_caught() {
 fn stack_keeps_the_goal_unless_it_is_given_one() {
     let mut recipe = recipe();
     assert_eq!(watch(&recipe).1.stack_goal, recipe.case.goal.position);
-    recipe.plan.goal_after_given = true;
+    recipe.plan.stack_goal = StackGoal::Given;
     assert_eq!(watch(&recipe).1.stack_goal, recipe.case.goal.after_capture);
 }
 
@@ -179,7 +183,7 @@ fn law_believes_the_plain_sum_unless_told_the_truth() {
     let mut recipe = recipe();
     let believed = |recipe: &FlightRecipe| watch(recipe).1.law.unwrap().believed;
     assert_eq!(believed(&recipe).inertia, Mat3::from_scale(0.18));
-    recipe.plan.true_stack = true;
+    recipe.plan.stack_belief = StackBelief::True;
     let (_, flight) = watch(&recipe);
     assert_eq!(flight.law.unwrap().believed.inertia, flight.vehicle.inertia.tensor);
     assert_eq!(flight.law.unwrap().believed.mass, 14.0);
@@ -188,7 +192,7 @@ fn law_believes_the_plain_sum_unless_told_the_truth() {
 #[test]
 fn without_merging_capture_is_only_noted() {
     let mut recipe = recipe();
-    recipe.plan.merge = false;
+    recipe.plan.transition = Transition::None;
     let (log, flight) = watch(&recipe);
     assert_eq!((flight.capture.time, log.merged), (4.0, 0));
     assert!(log.rows.iter().all(|row| row.mass == 9.0 && row.tick.target.attitude == row.truth.debris_attitude));
@@ -202,6 +206,6 @@ fn demand_is_kept_beside_what_the_actuators_give() {
     let tick = log.rows[0].tick;
     assert_near(&tick.demand.torque.0, &[-1e-5, 0.0, -2e-5], 1e-20);
     assert_near(&tick.applied.torque.0, &[-1e-6, 0.0, -1e-6], 0.0);
-    recipe.plan.scaled_saturation = true;
+    recipe.plan.saturation = Saturation::Scaled;
     assert_near(&watch(&recipe).0.rows[0].tick.applied.torque.0, &[-5e-7, 0.0, -1e-6], 1e-20);
 }

@@ -3,7 +3,7 @@
 use super::error::TrackingError;
 use crate::batch_struct;
 use crate::case::{CaptureThresholds, Motion, SettledThresholds};
-use crate::number::Real;
+use crate::number::{Real, Vec3};
 
 batch_struct! {
     /// Thresholds in the form in which they are compared: no root, no arc cosine in the loop.
@@ -31,6 +31,27 @@ impl CaptureTest<f64> {
     }
 }
 
+/// What capture counts the distance from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum DistanceFrom {
+    /// The goal: |r - r_des|.
+    Goal,
+    /// The debris: |r|.
+    Debris,
+}
+
+impl DistanceFrom {
+    /// The vector whose length counts \[m\].
+    #[inline(always)]
+    pub fn counted<R: Real>(self, motion: &Motion<R>, error: &TrackingError<R>) -> Vec3<R> {
+        match self {
+            DistanceFrom::Goal => error.position,
+            DistanceFrom::Debris => motion.position,
+        }
+    }
+}
+
 /// The squares of what capture is judged by, at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Judged<R> {
@@ -47,10 +68,9 @@ pub struct Judged<R> {
 impl<R: Real> Judged<R> {
     /// `error` is the true one, against the debris.
     #[inline(always)]
-    pub fn of(error: &TrackingError<R>, motion: &Motion<R>, distance_from_debris: bool) -> Self {
-        let distance = if distance_from_debris { motion.position } else { error.position };
+    pub fn of(error: &TrackingError<R>, motion: &Motion<R>, distance_from: DistanceFrom) -> Self {
         Self {
-            distance_squared: distance.norm_squared(),
+            distance_squared: distance_from.counted(motion, error).norm_squared(),
             sin_squared: error.attitude.vector().norm_squared(),
             rate_squared: error.rate.norm_squared(),
             speed_squared: error.velocity.norm_squared(),

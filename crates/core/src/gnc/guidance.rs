@@ -15,6 +15,36 @@ use crate::number::{Quat, Real, Vec3};
 use crate::plant::attitude::Inertia;
 use crate::plant::lvlh::Lvlh;
 
+/// Where the chaser is to go before capture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Goal {
+    /// To a position fixed in H.
+    Fixed,
+    /// To where the grasp points meet.
+    Grasp,
+    /// To where the grasp points meet, the goal's acceleration fed forward.
+    GraspFeedforward,
+}
+
+impl Goal {
+    /// Whether the laws add the goal's acceleration.
+    #[inline(always)]
+    pub fn feeds_acceleration(self) -> bool {
+        self == Goal::GraspFeedforward
+    }
+}
+
+/// Where the stack is to go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum StackGoal {
+    /// To a position that the scenario gives.
+    Given,
+    /// To the goal as it was at capture.
+    Reached,
+}
+
 /// Goal of one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Target<R> {

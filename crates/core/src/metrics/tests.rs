@@ -3,9 +3,15 @@
 use super::*;
 use crate::case::*;
 use crate::closed_loop::fly_alone;
+use crate::gnc::capture::DistanceFrom;
+use crate::gnc::guidance::{Goal, StackGoal};
+use crate::gnc::laws::{AttitudeError, StackBelief, SurfaceRate};
 use crate::gnc::laws::{Form, Gains, LawRecipe, PhaseGains, Segment, pd};
+use crate::hardware::actuators::Saturation;
 use crate::number::{Mat3, Quat, Stream};
+use crate::plan::{End, Plan};
 use crate::plant::propagate::WrenchFrame;
+use crate::plant::stack::Transition;
 use crate::scene::{Common, PreparedFlight};
 use crate::tests::assert_near;
 
@@ -44,16 +50,14 @@ fn recipe(law: LawRecipe) -> FlightRecipe {
             steps_per_period: 5,
             periods: 10,
             dwell_ticks: 0,
-            grasp: false,
-            feedforward: false,
-            goal_after_given: false,
-            distance_from_debris: false,
-            momentum_conserving: false,
-            merge: true,
-            true_stack: false,
-            scaled_saturation: false,
-            two_epsilon: false,
-            exact_surface_rate: false,
+            goal: Goal::Fixed,
+            stack_goal: StackGoal::Reached,
+            distance_from: DistanceFrom::Goal,
+            transition: Transition::Approximate,
+            stack_belief: StackBelief::Design,
+            saturation: Saturation::PerAxis,
+            attitude_error: AttitudeError::Epsilon,
+            surface_rate: SurfaceRate::Printed,
             end: End::Duration,
             hold_ticks: 0,
         },
@@ -191,7 +195,7 @@ fn settling_needs_both_thresholds_to_the_end() {
 #[test]
 fn capture_without_a_merge_is_noted_and_nothing_else_changes() {
     let mut recipe = recipe(damper());
-    recipe.plan.merge = false;
+    recipe.plan.transition = Transition::None;
     recipe.case.start.position = Vec3([0.0, 0.3, 0.0]);
     let s = summary(&recipe);
     assert_eq!((s.capture_time, s.capture_distance), (0.0, 0.3));
@@ -207,7 +211,7 @@ fn capture_distance_is_the_one_that_was_judged() {
     recipe.case.start.position = Vec3([0.0, 0.3, 0.0]);
     recipe.case.goal.position = Vec3([0.0, -0.4, 0.0]);
     assert!(summary(&recipe).capture_time.is_nan());
-    recipe.plan.distance_from_debris = true;
+    recipe.plan.distance_from = DistanceFrom::Debris;
     let s = summary(&recipe);
     assert_eq!(s.capture_time, 0.0);
     assert_near(&[s.capture_distance], &[0.3], 1e-16);

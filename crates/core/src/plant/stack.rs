@@ -20,6 +20,26 @@ use super::propagate::Vehicle;
 use crate::case::{Body, Motion};
 use crate::number::{Mat3, Real};
 
+/// How the bodies join at capture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Transition {
+    /// They do not: the first time the thresholds hold is only noted.
+    None,
+    /// The paper's approximation.
+    Approximate,
+    /// Linear and angular momentum are conserved.
+    MomentumConserving,
+}
+
+impl Transition {
+    /// Whether the bodies become one.
+    #[inline(always)]
+    pub fn merges(self) -> bool {
+        self != Transition::None
+    }
+}
+
 /// The stack: what it weighs and how it moves at the instant of the merge.
 #[derive(Clone, Copy, Debug)]
 pub struct Stack<R> {

@@ -101,7 +101,7 @@ def detumble_lower(momentum: Array, torque: Array, moment: Array, rate: Array) -
 def largest_moment(case: Mapping[str, Any]) -> float:
     """Bound the principal moments of any stack that the case's thresholds allow, kg m²."""
     pursuit = Pursuit.of(case)
-    if not case["plan"]["momentum_conserving"]:
+    if case["plan"]["transition"] != "momentum_conserving":
         return float(np.linalg.eigvalsh(pursuit.chaser_inertia + pursuit.debris_inertia)[-1])
     moments = (np.linalg.eigvalsh(inertia)[-1] for inertia in (pursuit.chaser_inertia, pursuit.debris_inertia))
     return float(sum(moments)) + _reduced_mass(case) * _arm(pursuit) ** 2
@@ -114,7 +114,7 @@ def _lower(case: Mapping[str, Any], pursuit: Pursuit, rates: Array, left: Array,
     half = 0.5 * pursuit.period
     bent = half * tumbling.bending * fastest**2  # what w_D changes in half a period
     stack = pursuit.chaser_inertia + pursuit.debris_inertia
-    if not case["plan"]["momentum_conserving"]:
+    if case["plan"]["transition"] != "momentum_conserving":
         least, most = np.maximum(0.0, speed - bent - pursuit.rate), speed + bent + pursuit.rate
         still_left = left - pursuit.angle - half * (fastest + pursuit.mean_motion)
         moments = np.linalg.eigvalsh(stack)
@@ -144,7 +144,7 @@ def _matched(
     """The least over the ticks, the chaser being where and how the debris would have it."""
     inertia = (pursuit.chaser_inertia + pursuit.debris_inertia)[None]
     momentum = rates @ inertia[0]
-    if case["plan"]["momentum_conserving"]:
+    if case["plan"]["transition"] == "momentum_conserving":
         if pursuit.grasp_points is None:
             arm = rotate(conjugate(against_lvlh), pursuit.goal)  # in D, and C
             across = rotate(conjugate(against_lvlh), np.cross([0.0, 0.0, pursuit.mean_motion], pursuit.goal))

@@ -32,7 +32,7 @@ fn error([distance, angle, rate, speed]: [f64; 4]) -> TrackingError<f64> {
 #[test]
 fn every_threshold_is_strict_and_all_must_hold_at_once() {
     let thresholds = [0.5, ANGLE, 0.25, 0.125];
-    let holds = |values| test(0.125).holds(&Judged::of(&error(values), &motion(9.0), false));
+    let holds = |values| test(0.125).holds(&Judged::of(&error(values), &motion(9.0), DistanceFrom::Goal));
     let below = thresholds.map(|x| x * (1.0 - 1e-9));
     assert!(holds(below));
     for k in 0..4 {
@@ -46,16 +46,16 @@ fn every_threshold_is_strict_and_all_must_hold_at_once() {
 
 #[test]
 fn without_a_speed_threshold_speed_does_not_matter() {
-    assert!(test(f64::INFINITY).holds(&Judged::of(&error([0.1, 0.1, 0.1, 1e3]), &motion(9.0), false)));
+    assert!(test(f64::INFINITY).holds(&Judged::of(&error([0.1, 0.1, 0.1, 1e3]), &motion(9.0), DistanceFrom::Goal)));
 }
 
 #[test]
 fn distance_counts_from_the_goal_or_from_the_debris() {
     let near_goal = error([0.1, 0.0, 0.0, 0.0]);
-    assert!(test(f64::INFINITY).holds(&Judged::of(&near_goal, &motion(0.6), false)));
-    assert!(!test(f64::INFINITY).holds(&Judged::of(&near_goal, &motion(0.6), true)));
+    assert!(test(f64::INFINITY).holds(&Judged::of(&near_goal, &motion(0.6), DistanceFrom::Goal)));
+    assert!(!test(f64::INFINITY).holds(&Judged::of(&near_goal, &motion(0.6), DistanceFrom::Debris)));
     let far_from_goal = error([0.6, 0.0, 0.0, 0.0]);
-    assert!(test(f64::INFINITY).holds(&Judged::of(&far_from_goal, &motion(0.4), true)));
+    assert!(test(f64::INFINITY).holds(&Judged::of(&far_from_goal, &motion(0.4), DistanceFrom::Debris)));
 }
 
 #[test]
@@ -64,9 +64,9 @@ fn what_is_not_a_number_never_captures() {
         for k in 0..4 {
             let mut values = [0.1, 0.1, 0.1, 0.1];
             values[k] = f64::NAN;
-            assert!(!test(speed).holds(&Judged::of(&error(values), &motion(0.1), false)), "quantity {k}");
+            assert!(!test(speed).holds(&Judged::of(&error(values), &motion(0.1), DistanceFrom::Goal)), "quantity {k}");
         }
-        assert!(!test(speed).holds(&Judged::of(&error([0.1; 4]), &motion(f64::NAN), true)));
+        assert!(!test(speed).holds(&Judged::of(&error([0.1; 4]), &motion(f64::NAN), DistanceFrom::Debris)));
     }
 }
 

@@ -9,7 +9,7 @@
 //! throughout as corrected.
 
 use super::riccati::{self, System};
-use super::{Channel, Form, LinearFeedback, MassProperties, Phase, PhaseGains, Setting};
+use super::{AttitudeError, Channel, Form, LinearFeedback, MassProperties, Phase, PhaseGains, Setting};
 use crate::number::{Mat3, Vec3};
 
 /// Weights of one channel.
@@ -37,7 +37,7 @@ pub fn channels(
     let [error, rate] = translation_gain(&weights.translation, setting.mean_motion);
     let translation =
         LinearFeedback { error: error.scale(believed.mass), rate: rate.scale(believed.mass), damps_own_rate: 0.0 };
-    let [error, rate] = rotation_gain(&weights.rotation, &believed.inertia, setting.two_epsilon);
+    let [error, rate] = rotation_gain(&weights.rotation, &believed.inertia, setting.attitude_error);
     let printed_before = form == Form::Printed && phase == Phase::BeforeCapture;
     let rotation = LinearFeedback { error, rate, damps_own_rate: if printed_before { 1.0 } else { 0.0 } };
     (Channel::Linear(translation), Channel::Linear(rotation))
@@ -53,9 +53,9 @@ pub fn translation_gain(weights: &Weights, mean_motion: f64) -> [Mat3<f64>; 2] {
 }
 
 /// K of the linearised attitude, input torque: \[K_ε, K_ω\].
-pub fn rotation_gain(weights: &Weights, inertia: &Mat3<f64>, two_epsilon: bool) -> [Mat3<f64>; 2] {
+pub fn rotation_gain(weights: &Weights, inertia: &Mat3<f64>, attitude_error: AttitudeError) -> [Mat3<f64>; 2] {
     let system = System {
-        coupling: if two_epsilon { 1.0 } else { 0.5 },
+        coupling: 0.5 * attitude_error.factor(),
         stiffness: Mat3([[0.0; 3]; 3]),
         damping: Mat3([[0.0; 3]; 3]),
         input: inertia.inverse(),

@@ -39,6 +39,47 @@ pub enum Form {
 
 batch_uniform!(Form);
 
+/// What the laws take as attitude error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum AttitudeError {
+    /// ε, the vector part of the error quaternion.
+    Epsilon,
+    /// 2 ε, about the angle.
+    TwoEpsilon,
+}
+
+impl AttitudeError {
+    /// κ of κ ε.
+    #[inline(always)]
+    pub fn factor(self) -> f64 {
+        match self {
+            AttitudeError::Epsilon => 1.0,
+            AttitudeError::TwoEpsilon => 2.0,
+        }
+    }
+}
+
+/// What the sliding laws take off as the rate of their surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum SurfaceRate {
+    /// What the paper prints for each law.
+    Printed,
+    /// The exact one.
+    Exact,
+}
+
+/// What the laws believe of the stack.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum StackBelief {
+    /// The design: mass and inertia that the case gives.
+    Design,
+    /// Its true mass and inertia at capture.
+    True,
+}
+
 /// Before capture a law flies the chaser against the debris; after it, the stack against H.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
@@ -100,8 +141,8 @@ pub struct Told<'a, R> {
     pub mean_motion: R,
     /// a_des to feed forward \[m/s²\]; `None` when off.
     pub feedforward: Option<Vec3<R>>,
-    /// Attitude error 2 ε instead of ε.
-    pub two_epsilon: bool,
+    /// ε or 2 ε.
+    pub attitude_error: AttitudeError,
 }
 
 impl<R: Real> Law<R> {
@@ -134,7 +175,7 @@ impl<R: Real> Law<R> {
 
     #[inline(always)]
     fn torque(&self, error: &TrackingError<R>, told: &Told<'_, R>) -> Vec3<R> {
-        let factor = R::splat(if told.two_epsilon { 2.0 } else { 1.0 });
+        let factor = R::splat(told.attitude_error.factor());
         let vector = error.attitude.vector();
         let rate = told.motion.chaser_rate;
         match &self.rotation {
@@ -262,10 +303,10 @@ pub enum LawRecipe {
 pub struct Setting {
     /// n \[rad/s\].
     pub mean_motion: f64,
-    /// Attitude error 2 ε.
-    pub two_epsilon: bool,
-    /// Sliding laws cancel the exact rate of their surface.
-    pub exact_surface_rate: bool,
+    /// ε or 2 ε.
+    pub attitude_error: AttitudeError,
+    /// What sliding laws take off.
+    pub surface_rate: SurfaceRate,
 }
 
 impl LawRecipe {

@@ -6,12 +6,12 @@
 //! ```
 //!
 //! Printed and corrected differ inside the boundary layer, see [`super::reaching`]. As printed, -Λ e_ω stands for the
-//! rate of Λ ε, which is close to Λ e_ω/2; `exact_surface_rate` puts the true one there.
+//! rate of Λ ε, which is close to Λ e_ω/2; `surface_rate = "exact"` puts the true one there.
 
 use super::reaching::{PowerRate, Reaching, Shape};
-use super::sliding::{Compensation, SurfaceRate};
+use super::sliding::{Compensation, OwnRate};
 use super::surface::{self, Surface};
-use super::{Channel, Form, PhaseGains, Setting, SlidingMode};
+use super::{Channel, Form, PhaseGains, Setting, SlidingMode, SurfaceRate};
 use crate::number::Vec3;
 
 /// Gains of one channel.
@@ -32,7 +32,10 @@ crate::fields!(Gains: slope, gain, layer, alpha);
 
 /// Translation and rotation.
 pub fn channels(gains: &PhaseGains<Gains>, form: Form, setting: &Setting) -> (Channel<f64>, Channel<f64>) {
-    let surface_rate = if setting.exact_surface_rate { SurfaceRate::Exact } else { SurfaceRate::Linear };
+    let surface_rate = match setting.surface_rate {
+        SurfaceRate::Exact => OwnRate::Exact,
+        SurfaceRate::Printed => OwnRate::Linear,
+    };
     let channel = |gains: &Gains, natural, gyroscopic| {
         Channel::Sliding(SlidingMode {
             surface: Surface::Linear(surface::Linear { slope: gains.slope }),

@@ -14,7 +14,7 @@ use crate::{batch_struct, batch_uniform};
 
 /// How the surface's own rate, ṡ without control, is taken off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SurfaceRate {
+pub enum OwnRate {
     /// Not at all.
     Off,
     /// slope · rate: exact in translation, in rotation about twice too much, since ε' ≈ e_ω/2. Linear surfaces.
@@ -29,7 +29,7 @@ pub struct Compensation {
     /// -A(r, v): orbit and turning frame. Translation only.
     pub natural: bool,
     /// The surface's own rate.
-    pub surface_rate: SurfaceRate,
+    pub surface_rate: OwnRate,
     /// Factor of ω × (I ω): +1 cancels it, -1 is the printed sign of SOSMC. Rotation only.
     pub gyroscopic: f64,
 }
@@ -54,9 +54,9 @@ impl<R: Real> SlidingMode<R> {
     pub fn acceleration(&self, errors: &ChannelError<R>) -> Vec3<R> {
         let reaching = self.reaching.rate(self.surface.value(errors));
         match self.compensation.surface_rate {
-            SurfaceRate::Off => reaching,
-            SurfaceRate::Linear => reaching - self.surface.slope() * errors.rate,
-            SurfaceRate::Exact => reaching - self.surface.own_rate(errors),
+            OwnRate::Off => reaching,
+            OwnRate::Linear => reaching - self.surface.slope() * errors.rate,
+            OwnRate::Exact => reaching - self.surface.own_rate(errors),
         }
     }
 }

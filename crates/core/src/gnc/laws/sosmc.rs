@@ -7,7 +7,7 @@
 //! ```
 
 use super::reaching::{Proportional, Reaching, Shape};
-use super::sliding::{Compensation, SurfaceRate};
+use super::sliding::{Compensation, OwnRate};
 use super::surface::{self, Surface};
 use super::{Channel, Form, PhaseGains, SlidingMode};
 use crate::number::Vec3;
@@ -38,7 +38,7 @@ pub fn channels(gains: &PhaseGains<Gains>, form: Form) -> (Channel<f64>, Channel
                 gains.layer,
                 Shape::Proportional(Proportional { proportional: gains.proportional }),
             ),
-            compensation: Compensation { natural: false, surface_rate: SurfaceRate::Off, gyroscopic },
+            compensation: Compensation { natural: false, surface_rate: OwnRate::Off, gyroscopic },
         })
     };
     let gyroscopic = if form == Form::Printed { -1.0 } else { 1.0 };

@@ -10,7 +10,8 @@ const BEFORE: MassProperties<f64> =
 /// Twice the chaser's inertia, so torques double; 14 kg.
 const AFTER: MassProperties<f64> =
     MassProperties { mass: 14.0, inertia: Mat3([[0.20, 0.02, 0.0], [0.02, 0.24, 0.0], [0.0, 0.0, 0.10]]) };
-const SETTING: Setting = Setting { mean_motion: 0.01, two_epsilon: false, exact_surface_rate: false };
+const SETTING: Setting =
+    Setting { mean_motion: 0.01, attitude_error: AttitudeError::Epsilon, surface_rate: SurfaceRate::Printed };
 /// -A with n = 0.01 at r = (10, 20, -30), v = (0.5, -0.25, 7), see the orbit's own test.
 const MINUS_NATURAL: [f64; 3] = [0.002, 0.01, -0.003];
 /// ω × (I ω): I ω = (0.008, -0.023, 0.015) with ω = (0.1, -0.2, 0.3).
@@ -47,8 +48,12 @@ fn command(recipe: &LawRecipe, phase: Phase, setting: &Setting, error: &Tracking
     let believed = if phase == Phase::BeforeCapture { BEFORE } else { AFTER };
     let law = recipe.build(phase, &believed, setting).unwrap();
     let motion = motion();
-    let told =
-        Told { motion: &motion, mean_motion: setting.mean_motion, feedforward: None, two_epsilon: setting.two_epsilon };
+    let told = Told {
+        motion: &motion,
+        mean_motion: setting.mean_motion,
+        feedforward: None,
+        attitude_error: setting.attitude_error,
+    };
     let wrench = law.command(error, &told);
     [wrench.force.0, wrench.torque.0]
 }
@@ -88,7 +93,7 @@ fn pd_has_its_known_answers() {
         // Corrected: Kd e_ω = (0.002, -0.002, 0.02).
         check(&law(Form::Corrected), phase, &SETTING, force, [-0.012, 0.022, -0.03]);
         // 2 ε doubles Kp ε.
-        let twice = Setting { two_epsilon: true, ..SETTING };
+        let twice = Setting { attitude_error: AttitudeError::TwoEpsilon, ..SETTING };
         check(&law(Form::Printed), phase, &twice, force, [-0.03, 0.05, -0.08]);
     }
 }
@@ -104,29 +109,29 @@ fn lqr_has_its_known_answers_where_the_axes_are_apart() {
     });
     let balls =
         [9.0, 14.0].map(|mass| MassProperties { mass, inertia: Mat3::from_scale(if mass == 9.0 { 0.1 } else { 0.4 }) });
-    let demand = |form, phase, two_epsilon| {
-        let setting = Setting { mean_motion: 0.0, two_epsilon, ..SETTING };
+    let demand = |form, phase, attitude_error| {
+        let setting = Setting { mean_motion: 0.0, attitude_error, ..SETTING };
         let ball = &balls[usize::from(phase == Phase::AfterCapture)];
         let law = LawRecipe::Lqr(both(form, translation, rotation)).build(phase, ball, &setting).unwrap();
-        let told = Told { motion: &motion(), mean_motion: 0.0, feedforward: None, two_epsilon };
+        let told = Told { motion: &motion(), mean_motion: 0.0, feedforward: None, attitude_error };
         law.command(&error(), &told)
     };
     // K x = (0.04 + 0.01, -0.02 - 0.005, 0.01 + 0.015), times the mass.
     let force = [-0.05, 0.025, -0.025];
     // 0.2 ε = (0.1, -0.1, 0.02); 0.15 ω = (0.015, -0.03, 0.045); 0.15 e_ω = (0.003, -0.006, 0.015).
-    let before = demand(Form::Printed, Phase::BeforeCapture, false);
+    let before = demand(Form::Printed, Phase::BeforeCapture, AttitudeError::Epsilon);
     assert_near(&before.force.0, &times(force, 9.0), 1e-12);
     assert_near(&before.torque.0, &[-0.115, 0.13, -0.065], 1e-13);
-    let corrected = demand(Form::Corrected, Phase::BeforeCapture, false);
+    let corrected = demand(Form::Corrected, Phase::BeforeCapture, AttitudeError::Epsilon);
     assert_near(&corrected.torque.0, &[-0.103, 0.106, -0.035], 1e-13);
     // After capture e_ω in both forms; √0.0825 = 0.287 228 132, times e_ω = (0.005 744 563, -0.011 489 125, 0.028 722 813).
     for form in [Form::Printed, Form::Corrected] {
-        let after = demand(form, Phase::AfterCapture, false);
+        let after = demand(form, Phase::AfterCapture, AttitudeError::Epsilon);
         assert_near(&after.force.0, &times(force, 14.0), 1e-12);
         assert_near(&after.torque.0, &[-0.105744563, 0.111489125, -0.048722813], 1e-9);
     }
     // 2 ε: 0.2·2 ε = (0.2, -0.2, 0.04); √0.0425 = 0.206 155 281 times ω = (0.020 615 528, -0.041 231 056, 0.061 846 584).
-    let twice = demand(Form::Printed, Phase::BeforeCapture, true);
+    let twice = demand(Form::Printed, Phase::BeforeCapture, AttitudeError::TwoEpsilon);
     assert_near(&twice.torque.0, &[-0.220615528, 0.241231056, -0.101846584], 1e-9);
 }
 
@@ -155,14 +160,14 @@ fn sosmc_has_its_known_answers() {
     for (form, sign) in [(Form::Printed, -1.0), (Form::Corrected, 1.0)] {
         let law = sosmc_law(form);
         // The switch of the surface's rate has no say: SOSMC takes none off.
-        for setting in [SETTING, Setting { exact_surface_rate: true, ..SETTING }] {
+        for setting in [SETTING, Setting { surface_rate: SurfaceRate::Exact, ..SETTING }] {
             let known = sum(torque, GYROSCOPIC, sign);
             check(&law, Phase::BeforeCapture, &setting, times(acceleration, 9.0), known);
             check(&law, Phase::AfterCapture, &setting, times(acceleration, 14.0), times(known, 2.0));
         }
     }
     // 2 ε: s = (0.22, -0.14, 0.3), sat = (1, -0.777…, 1): a = -(0.1 + 0.11, -0.155 555 556 - 0.14, 0.05 + 0.03).
-    let twice = Setting { two_epsilon: true, ..SETTING };
+    let twice = Setting { attitude_error: AttitudeError::TwoEpsilon, ..SETTING };
     let [_, got] = command(&sosmc_law(Form::Corrected), Phase::BeforeCapture, &twice, &error());
     // I a = (-0.021 + 0.002 955 556, -0.0021 + 0.035 466 667, -0.004).
     assert_near(&got, &sum([-0.018044444, 0.033366667, -0.004], GYROSCOPIC, 1.0), 1e-9);
@@ -238,7 +243,7 @@ fn prrl_has_its_known_answers() {
 fn two_epsilon_doubles_the_attitude_error_of_sliding_laws_and_its_exact_rate() {
     // PRRL, s = e_ω + 2 Λ ε = (0.30, -0.14, 0.40): sat = (0.46875, -1, 1), √|s| = (0.547 722 558, 0.374 165 739, 0.632 455 532),
     // K √|s| sat = (0.051 348 990, -0.037 416 574, 0.031 622 777). Printed compensation Λ e_ω as before.
-    let twice = Setting { two_epsilon: true, ..SETTING };
+    let twice = Setting { attitude_error: AttitudeError::TwoEpsilon, ..SETTING };
     let [_, got] = command(&prrl_law(Form::Printed), Phase::BeforeCapture, &twice, &error());
     let a = [-0.051348990 - 0.0056, 0.037416574 + 0.004, -0.031622777 - 0.15];
     let torque = [0.1 * a[0] + 0.01 * a[1], 0.01 * a[0] + 0.12 * a[1], 0.05 * a[2]];
@@ -253,19 +258,19 @@ fn exact_surface_rate_is_the_derivative_of_the_surface_along_the_motion() {
     let tsmc_gains =
         tsmc::Gains { slope: Vec3([0.3, 0.2, 0.1]), gain: Vec3([0.1; 3]), layer: Vec3([0.5; 3]), exponent: 0.6 };
     let tsmc_law = LawRecipe::Tsmc(both(Form::Corrected, tsmc_gains, tsmc_gains));
-    for two_epsilon in [false, true] {
-        let factor = if two_epsilon { 2.0 } else { 1.0 };
+    for attitude_error in [AttitudeError::Epsilon, AttitudeError::TwoEpsilon] {
+        let factor = attitude_error.factor();
         for _ in 0..20 {
             let attitude = noise.attitude().short_way();
             let error = TrackingError { attitude, rate: noise.vector(0.2), ..error() };
             let at = |t: f64| (attitude * Quat::from_rotation_vector(error.rate * t)).vector() * factor;
             let derivative = |f: &dyn Fn(Vec3<f64>) -> Vec3<f64>| (f(at(1e-4)) - f(at(-1e-4))) * 5e3;
             let change = |law: &LawRecipe| {
-                let torque = |exact_surface_rate| {
-                    let setting = Setting { two_epsilon, exact_surface_rate, ..SETTING };
+                let torque = |surface_rate| {
+                    let setting = Setting { attitude_error, surface_rate, ..SETTING };
                     Vec3(command(law, Phase::BeforeCapture, &setting, &error)[1])
                 };
-                BEFORE.inertia.inverse() * (torque(true) - torque(false))
+                BEFORE.inertia.inverse() * (torque(SurfaceRate::Exact) - torque(SurfaceRate::Printed))
             };
             // PRRL: from -Λ e_ω to -d(Λ ε)/dt.
             let slope = Vec3([0.28, 0.1, 1.5]);
@@ -284,7 +289,7 @@ fn exact_surface_rate_is_the_derivative_of_the_surface_along_the_motion() {
 
 #[test]
 fn exact_surface_rate_in_translation_changes_tsmc_alone() {
-    let exact = Setting { exact_surface_rate: true, ..SETTING };
+    let exact = Setting { surface_rate: SurfaceRate::Exact, ..SETTING };
     let force = |law: &LawRecipe, setting| command(law, Phase::BeforeCapture, setting, &error())[0];
     for law in [prrl_law(Form::Printed), sosmc_law(Form::Printed)] {
         assert_eq!(force(&law, &SETTING), force(&law, &exact));
@@ -301,7 +306,8 @@ fn exact_surface_rate_in_translation_changes_tsmc_alone() {
 fn feedforward_adds_mass_times_the_goals_acceleration_to_every_law() {
     for law in [prrl_law(Form::Printed), sosmc_law(Form::Corrected)] {
         let law = law.build(Phase::BeforeCapture, &BEFORE, &SETTING).unwrap();
-        let told = Told { motion: &motion(), mean_motion: 0.01, feedforward: None, two_epsilon: false };
+        let told =
+            Told { motion: &motion(), mean_motion: 0.01, feedforward: None, attitude_error: AttitudeError::Epsilon };
         let plain = law.command(&error(), &told);
         let fed = law.command(&error(), &Told { feedforward: Some(Vec3([0.01, -0.02, 0.03])), ..told });
         assert_near(&(fed.force - plain.force).0, &[0.09, -0.18, 0.27], 1e-14);

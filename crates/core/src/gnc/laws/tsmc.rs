@@ -9,9 +9,9 @@
 //! comes with the gains, so the form needs no switch here.
 
 use super::reaching::{Proportional, Reaching, Shape};
-use super::sliding::{Compensation, SurfaceRate};
+use super::sliding::{Compensation, OwnRate};
 use super::surface::{self, Surface};
-use super::{Channel, PhaseGains, Setting, SlidingMode};
+use super::{Channel, PhaseGains, Setting, SlidingMode, SurfaceRate};
 use crate::number::Vec3;
 
 /// Gains of one channel.
@@ -32,7 +32,10 @@ crate::fields!(Gains: slope, gain, layer, exponent);
 
 /// Translation and rotation.
 pub fn channels(gains: &PhaseGains<Gains>, setting: &Setting) -> (Channel<f64>, Channel<f64>) {
-    let surface_rate = if setting.exact_surface_rate { SurfaceRate::Exact } else { SurfaceRate::Off };
+    let surface_rate = match setting.surface_rate {
+        SurfaceRate::Exact => OwnRate::Exact,
+        SurfaceRate::Printed => OwnRate::Off,
+    };
     let channel = |gains: &Gains, natural, gyroscopic| {
         Channel::Sliding(SlidingMode {
             surface: Surface::Terminal(surface::Terminal { slope: gains.slope, exponent: gains.exponent }),

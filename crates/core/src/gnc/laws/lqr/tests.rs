@@ -39,8 +39,8 @@ fn validation_rotation_gain_of_a_full_inertia_is_that_of_scipy() {
         -0.0007036041827477611, 0.00015627286367180492, 0.017276521399001127,
         -0.006551607953491292, 0.0016865482189925337, 0.07760057409964281,
     ]];
-    for (two_epsilon, known) in [(false, scipy[0]), (true, scipy[1])] {
-        assert_near(&blocks(&rotation_gain(&weights, &inertia, two_epsilon)), &known, 1e-11);
+    for (attitude_error, known) in [(AttitudeError::Epsilon, scipy[0]), (AttitudeError::TwoEpsilon, scipy[1])] {
+        assert_near(&blocks(&rotation_gain(&weights, &inertia, attitude_error)), &known, 1e-11);
     }
 }
 
@@ -50,8 +50,8 @@ fn gains_scale_with_the_weights_as_only_their_ratio_counts() {
     let scaled = Weights { q_error: weights.q_error * 1e3, q_rate: weights.q_rate * 1e3, r: 1e7 };
     let inertia = Mat3::diagonal(Vec3([0.1, 0.1, 0.05]));
     assert_near(
-        &blocks(&rotation_gain(&scaled, &inertia, false)),
-        &blocks(&rotation_gain(&weights, &inertia, false)),
+        &blocks(&rotation_gain(&scaled, &inertia, AttitudeError::Epsilon)),
+        &blocks(&rotation_gain(&weights, &inertia, AttitudeError::Epsilon)),
         1e-14,
     );
 }
