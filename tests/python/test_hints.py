@@ -9,9 +9,9 @@ import pytest
 
 import detumble
 from detumble.scenario import Scenario, from_toml, with_settings
-from detumble.scenario.faults import section_at
 from detumble.scenario.hints import SYMBOLS, UNITS
 from detumble.scenario.laws import LAWS
+from detumble.scenario.reflection import section_at
 
 
 def fault_of(text: str, path: str) -> str:

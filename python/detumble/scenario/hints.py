@@ -101,7 +101,7 @@ def unknown_key(owner: type[Section] | None, name: str, value: Any) -> str:
 def _converted(owner: type[Section], name: str, value: Any) -> str:
     """Where the key names a unit: the field, its unit, and the value converted."""
     from detumble.scenario.dispersions.base import Parameter
-    from detumble.scenario.faults import quantity_of
+    from detumble.scenario.reflection import quantity_of
 
     folded = name.lower()
     for ending in sorted(UNITS, key=len, reverse=True):
@@ -143,7 +143,7 @@ def _times(value: Any, factor: float) -> Any:
 
 def _symbol(owner: type[Section], name: str) -> str:
     """Where the key is what papers call a field: its name here, also in one or two of the tables beneath."""
-    from detumble.scenario.faults import section_of
+    from detumble.scenario.reflection import section_of
 
     beneath = {table: section_of(info.annotation) for table, info in owner.model_fields.items() if table != "stack"}
     found = [_named(owner, name)] if _named(owner, name) else [

@@ -28,10 +28,10 @@ from numpy.typing import NDArray
 from detumble.checking import choice
 from detumble.errors import RequestError
 from detumble.scenario.core import axes, case, design
-from detumble.scenario.faults import quantity_of, section_at, section_of
 from detumble.scenario.laws import EXPONENTS, LAWS, Gain, Natural, Prrl, Scale, Span, TsmcExponents
 from detumble.scenario.model import Scenario
 from detumble.scenario.physics import tensor
+from detumble.scenario.reflection import quantity_of, section_at, section_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -18,8 +18,8 @@ import numpy as np
 import polars as pl
 
 from detumble.campaigns.store.rows import CAUSES, FAILURE, INDEX, RESULTS, Column
-from detumble.scenario.faults import quantity_of, section_at
 from detumble.scenario.model import Scenario
+from detumble.scenario.reflection import quantity_of, section_at
 from detumble.surroundings import check_polars
 from detumble.writing import reason
 

@@ -11,8 +11,9 @@ from detumble.scenario.core import design
 from detumble.scenario.dispersions.base import Dispersion, Misfit, Parameter, Target, Tree
 from detumble.scenario.dispersions.correlation import Correlation
 from detumble.scenario.dispersions.numbers import Elementwise
-from detumble.scenario.faults import Unread, quantity_of, section_at, section_of
+from detumble.scenario.faults import Unread
 from detumble.scenario.quantity import Quantity
+from detumble.scenario.reflection import quantity_of, section_at, section_of
 from detumble.scenario.section import Section
 from detumble.scenario.wording import did_you_mean, pretty, shown
 
