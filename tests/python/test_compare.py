@@ -29,7 +29,6 @@ from detumble.cli import main
 from detumble.commands.compare import Stages
 from detumble.errors import RequestError
 from detumble.scenario import Scenario, with_settings
-from detumble.scenario.core import axes
 from detumble.show.compare.times import times_over_least
 
 TWINS = (Entry("One", "prrl", "printed"), Entry("Other", "prrl", "printed"), Entry("PD", "pd", "corrected"))
@@ -282,7 +281,7 @@ def test_least_delta_v_falls_with_time_and_is_none_without_any(scenario: Scenari
 def test_settling_bound_is_momentum_over_torque(scenario: Scenario) -> None:
     trials = Trials(scenario, 2, 0, 3)
     own = drawn_scenario(scenario, 2, 1)
-    torque = 0.01 * np.array(axes(own.actuators.torque_gain))
+    torque = 0.01 * np.ones(3) * own.actuators.torque_gain
     stack = np.array(own.chaser.inertia) + np.array(own.debris.inertia)
     slowest = own.orbit.mean_motion + own.settled.rate
     expected = (0.5 - np.linalg.eigvalsh(stack)[-1] * slowest) / np.linalg.norm(torque)

@@ -19,7 +19,8 @@ from detumble.campaigns.runs.workers import available_threads
 from detumble.campaigns.store.rows import SUCCESS
 from detumble.compiled import core
 from detumble.errors import ScenarioError
-from detumble.scenario.core import case, ticks
+from detumble.scenario.conversions import ticks
+from detumble.scenario.core import case
 from detumble.scenario.faults import validated
 
 if TYPE_CHECKING:

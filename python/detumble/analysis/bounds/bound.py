@@ -31,8 +31,8 @@ from detumble.analysis.bounds.transfer import Bracket, Transfer
 from detumble.analysis.bounds.tumble import Array, conjugate, multiply, rotate, tumble
 from detumble.checking import real
 from detumble.errors import Fault, ScenarioError
+from detumble.scenario.conversions import ticks
 from detumble.scenario.core import case as core_case
-from detumble.scenario.core import ticks
 from detumble.scenario.files import given
 from detumble.scenario.model import Scenario
 
