@@ -5,14 +5,16 @@
 
 use crate::batch::Batch;
 use crate::flight::Flight;
+use crate::gnc::allocation;
 use crate::gnc::capture::Judged;
 use crate::gnc::error::TrackingError;
 use crate::gnc::guidance::{self, StackGoal, Target};
-use crate::gnc::laws::{Law, StackBelief, Told};
-use crate::hardware::actuators::actuate;
-use crate::hardware::sensors::sense;
+use crate::gnc::laws::{Law, LawInput, StackBelief};
+use crate::gnc::navigation::{self, Estimate};
+use crate::hardware::sensors::Sensed;
 use crate::number::{Mask, Quat, Real, Stream, Vec3};
 use crate::observer::{Observer, Tick};
+use crate::part::Part;
 use crate::plan::Plan;
 use crate::plant::body::Vehicle;
 use crate::plant::lvlh::Lvlh;
@@ -48,16 +50,22 @@ fn control_tick<R: Real, O: Observer<R>>(
         }
     }
 
-    let seen = sense(&scene.numbers.case.sensors, scene.common.noisy, &flight.truth, noise, number);
-    let goal = guide(scene, flight, &seen, time);
-    let seen_error = TrackingError::between(&seen, &goal);
-    let (demand, frame) = command(scene, flight, &seen, &seen_error, &goal, number);
-    let applied = actuate(&scene.numbers.case.actuators, &demand, plan.saturation);
+    let sensed = Sensed { truth: &flight.truth, noise, tick: number };
+    let measured = scene.sensors().step(&mut flight.memory.sensors, sensed);
+    let estimate = navigation::Direct.step(&mut flight.memory.navigator, &measured);
+    let goal = guide(scene, flight, &estimate.motion, time);
+    let learnt = flight.memory.law;
+    let (demand, frame) = command(scene, flight, &estimate, &goal, number);
+    let commanded = allocation::Direct.step(&mut flight.memory.allocator, &demand);
+    let applied = scene.actuators().step(&mut flight.memory.actuators, &commanded);
+    if let (Some(memory), Some(before)) = (&mut flight.memory.law, &learnt) {
+        memory.hold(&applied, before);
+    }
 
     let flown = number.lt(R::splat(f64::from(plan.periods))) & flight.commanded();
     let tick = Tick { number, time, flown, target, judged, error, demand, applied };
     observer.observe(scene, flight, &tick);
-    (Held { wrench: applied, frame, since: time }, !flown | observer.over(scene, flight, &tick))
+    (Held { wrench: applied.wrench, frame, since: time }, !flown | observer.over(scene, flight, &tick))
 }
 
 /// A wrench held from a tick to the next.
@@ -130,6 +138,9 @@ fn merge<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, lanes: R::Mask, time
             StackBelief::Design => *after,
         };
         flight.law = Some(Law::choose(lanes, &after, law));
+        if let Some(memory) = &mut flight.memory.law {
+            after.hand_over(memory, lanes);
+        }
         for i in (0..R::LANES).filter(|&i| lanes.lane(i)) {
             flight.no_gains.set_lane(i, no_gains(&Batch::<R>::scatter(&after, i)));
         }
@@ -167,23 +178,17 @@ pub(crate) fn guide<R: Real>(scene: &Scene<R>, flight: &Flight<R>, motion: &Moti
 #[inline(always)]
 fn command<R: Real>(
     scene: &Scene<R>,
-    flight: &Flight<R>,
-    seen: &Motion<R>,
-    error: &TrackingError<R>,
+    flight: &mut Flight<R>,
+    estimate: &Estimate<R>,
     goal: &Target<R>,
     number: R,
 ) -> (Wrench<R>, WrenchFrame) {
-    match &flight.law {
-        Some(law) => {
-            let told = Told {
-                motion: seen,
-                mean_motion: scene.numbers.case.orbit.mean_motion,
-                feedforward: scene.plan.goal.feeds_acceleration().then_some(goal.acceleration),
-                attitude_error: scene.plan.attitude_error,
-            };
-            (law.command(error, &told), WrenchFrame::Command)
+    match (&flight.law, &mut flight.memory.law) {
+        (Some(law), Some(memory)) => {
+            let input = LawInput::new(estimate, goal, scene.numbers.case.orbit.mean_motion, &scene.plan);
+            (law.step(memory, input), WrenchFrame::Command)
         }
-        None => scene.open_loop(number),
+        _ => scene.open_loop(number),
     }
 }
 

@@ -2,10 +2,26 @@
 
 use crate::batch_struct;
 use crate::gnc::capture::CaptureState;
-use crate::gnc::laws::Law;
+use crate::gnc::laws::{Law, LawMemory};
 use crate::number::{Quat, Real, Vec3};
 use crate::plant::body::Vehicle;
 use crate::plant::motion::Motion;
+
+batch_struct! {
+    /// What the parts on board remember from one control period to the next.
+    pub struct Memory<R> {
+        /// Sensors.
+        pub sensors: (),
+        /// Navigator.
+        pub navigator: (),
+        /// Law; `None` in open loop.
+        pub law: Option<LawMemory<R>>,
+        /// Allocator.
+        pub allocator: (),
+        /// Actuators.
+        pub actuators: (),
+    }
+}
 
 batch_struct! {
     /// The state of a batch of flights.
@@ -16,6 +32,8 @@ batch_struct! {
         pub vehicle: Vehicle<R>,
         /// The law with the gains of each lane's phase; `None` in open loop.
         pub law: Option<Law<R>>,
+        /// What the parts on board remember.
+        pub memory: Memory<R>,
         /// Capture so far.
         pub capture: CaptureState<R>,
         /// D -> C, fixed at capture.

@@ -125,7 +125,7 @@ impl<R: Real> Observer<R> for History {
                 ([0.0; 3], [0.0; 3])
             }
         };
-        let ((force_command, torque_command), (force, torque)) = (given(&tick.demand), given(&tick.applied));
+        let ((force_command, torque_command), (force, torque)) = (given(&tick.demand), given(&tick.applied.wrench));
         self.write(&[
             &[scene.clock.time_of(tick.number.lane(0) as u64)],
             &position,

@@ -25,6 +25,7 @@ pub mod history;
 pub mod metrics;
 pub mod number;
 pub mod observer;
+pub mod part;
 pub mod plan;
 pub mod plant;
 pub mod scene;

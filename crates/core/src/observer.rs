@@ -4,6 +4,7 @@ use crate::flight::Flight;
 use crate::gnc::capture::Judged;
 use crate::gnc::error::TrackingError;
 use crate::gnc::guidance::Target;
+use crate::hardware::actuators::Applied;
 use crate::number::{Mask, Real};
 use crate::plant::motion::Motion;
 use crate::plant::wrench::Wrench;
@@ -28,7 +29,7 @@ pub struct Tick<R: Real> {
     /// Demanded by the law.
     pub demand: Wrench<R>,
     /// Given by the actuators.
-    pub applied: Wrench<R>,
+    pub applied: Applied<R>,
 }
 
 /// Watches a flight and keeps what it wants of it.

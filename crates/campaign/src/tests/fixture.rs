@@ -272,5 +272,5 @@ fn law_recipe(law: &str, way: Way) -> LawRecipe {
 /// The same gains in both phases.
 fn of<G: Copy>(form: Form, translation: G, rotation: G) -> Gains<G> {
     let gains = PhaseGains { translation, rotation };
-    Gains { form, before: gains, after: gains }
+    Gains { form: Some(form), before: gains, after: gains }
 }

@@ -82,7 +82,7 @@ fn recipe() -> FlightRecipe {
                 stack_inertia: Mat3::from_scale(0.18),
             },
         },
-        law: LawRecipe::Pd(Gains { form: Form::Printed, before: gains(0.001), after: gains(0.1) }),
+        law: LawRecipe::Pd(Gains { form: Some(Form::Printed), before: gains(0.001), after: gains(0.1) }),
         plan: Plan {
             control_period: 0.5,
             steps_per_period: 5,
@@ -213,7 +213,7 @@ fn demand_is_kept_beside_what_the_actuators_give() {
     let (log, _) = watch(&recipe);
     let tick = log.rows[0].tick;
     assert_near(&tick.demand.torque.0, &[-1e-5, 0.0, -2e-5], 1e-20);
-    assert_near(&tick.applied.torque.0, &[-1e-6, 0.0, -1e-6], 0.0);
+    assert_near(&tick.applied.wrench.torque.0, &[-1e-6, 0.0, -1e-6], 0.0);
     recipe.plan.saturation = Saturation::Scaled;
-    assert_near(&watch(&recipe).0.rows[0].tick.applied.torque.0, &[-5e-7, 0.0, -1e-6], 1e-20);
+    assert_near(&watch(&recipe).0.rows[0].tick.applied.wrench.torque.0, &[-5e-7, 0.0, -1e-6], 1e-20);
 }

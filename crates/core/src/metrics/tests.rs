@@ -152,7 +152,7 @@ fn damper() -> LawRecipe {
     let zero = pd::Gains { kp: Vec3([0.0; 3]), kd: Vec3([0.0; 3]) };
     let rotation = pd::Gains { kd: Vec3([0.1; 3]), ..zero };
     let gains = |rotation| PhaseGains { translation: zero, rotation };
-    LawRecipe::Pd(Gains { form: Form::Printed, before: gains(zero), after: gains(rotation) })
+    LawRecipe::Pd(Gains { form: Some(Form::Printed), before: gains(zero), after: gains(rotation) })
 }
 
 #[test]
@@ -232,7 +232,7 @@ fn flight_that_leaves_the_numbers_is_dated_by_its_first_such_tick() {
     let explosive = pd::Gains { kp: Vec3([-1e30; 3]), kd: Vec3([0.0; 3]) };
     let still = pd::Gains { kp: Vec3([0.0; 3]), kd: Vec3([0.0; 3]) };
     let gains = PhaseGains { translation: explosive, rotation: still };
-    recipe.law = LawRecipe::Pd(Gains { form: Form::Printed, before: gains, after: gains });
+    recipe.law = LawRecipe::Pd(Gains { form: Some(Form::Printed), before: gains, after: gains });
     recipe.case.actuators.force = Vec3([f64::INFINITY; 3]);
     recipe.plan.periods = 30;
     // Each tick multiplies the distance by 1 + 1e30·0.5²/2/8 = 1.56e28 and more: its square passes 1e308 within 6 ticks,
