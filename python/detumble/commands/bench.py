@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from detumble.commands.printing import print_json, remark, table
+from detumble.commands.printing import print_json, remark
+from detumble.tables import table
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -9,8 +9,9 @@ import typer
 
 from detumble.commands.arguments import folder, scenario_of
 from detumble.commands.bounds_of_runs import bounds_of_runs, summary, text_of_runs, write_runs
-from detumble.commands.printing import fixed, json_text, print_json, remark, table
+from detumble.commands.printing import json_text, print_json, remark
 from detumble.errors import RequestError
+from detumble.tables import fixed, table
 
 if TYPE_CHECKING:
     from detumble.analysis.bounds.bound import Bounds

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from detumble.commands.printing import fixed, table
+from detumble.tables import fixed, table
 
 if TYPE_CHECKING:
     from pathlib import Path

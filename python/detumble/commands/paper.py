@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from detumble.commands.arguments import folder
-from detumble.commands.printing import fixed, json_text, print_json, remark, table
+from detumble.commands.printing import json_text, print_json, remark
+from detumble.tables import fixed, table
 
 if TYPE_CHECKING:
     from detumble.flight import Flight

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from detumble.commands.arguments import folder, scenario_of
-from detumble.commands.printing import cell, json_text, print_json, remark, table
+from detumble.commands.printing import json_text, print_json, remark
 from detumble.errors import RequestError
+from detumble.tables import cell, table
 
 if TYPE_CHECKING:
     from detumble.flight import Flight

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from detumble.commands.arguments import folder, percentile, scenario_of
-from detumble.commands.printing import cell, fixed, json_text, print_json, remark, table
+from detumble.commands.printing import json_text, print_json, remark
 from detumble.errors import RequestError
+from detumble.tables import cell, fixed, table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,7 +10,7 @@ from detumble.analysis.comparing.plan import SPREAD
 from detumble.analysis.comparing.ratios import FUEL_RUNS
 from detumble.analysis.comparing.result import OBJECTIVES, STATISTIC
 from detumble.analysis.tuning.objective import MEANINGS
-from detumble.commands.printing import fixed, table
+from detumble.tables import fixed, table
 
 if TYPE_CHECKING:
     from detumble.analysis.comparing.result import Comparison, Judged, Pair
