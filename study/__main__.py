@@ -16,8 +16,8 @@ from detumble.analysis.comparing.comparer import compare
 from detumble.analysis.comparing.entries import Entry
 from detumble.analysis.comparing.plan import Plan
 from detumble.analysis.tuning.objective import Objective
-from detumble.commands.compare import Stages
 from detumble.commands.printing import json_text
+from detumble.commands.progress import Line
 from detumble.scenario.files import load
 from detumble.scenario.laws import LAWS
 from detumble.writing import output_folder, write_text
@@ -139,8 +139,8 @@ def _compared(case: Case, size: Size, page: Path, work: Path) -> Numbers:
         runs=size.runs,
         robust=size.robust,
     )
-    with Stages(work) as stages:
-        result = compare(case.scenario, plan=plan, out=work, resume=work.exists(), watcher=stages)
+    with Line(work) as line:
+        result = compare(case.scenario, plan=plan, out=work, resume=work.exists(), watcher=line)
     if result.broken:
         raise SystemExit("\n".join(result.broken))
     for figure in result.figures(work / "figures"):

@@ -112,6 +112,24 @@ def real(
     return float(number)
 
 
+def seed_number(name: str, value: Any) -> int:
+    """Read a seed, 0 to 2^64 - 1.
+
+    Raises:
+        RequestError: it is none.
+    """
+    return whole(name, value, 0, MOST_SEED)
+
+
+def thread_count(value: Any) -> int | None:
+    """Read the argument `threads`: a whole number, or None for all processors.
+
+    Raises:
+        RequestError: it is neither.
+    """
+    return None if value is None else whole("threads", value, 1, 4096)
+
+
 def wholes(owner: object, **ranges: tuple[int, int]) -> None:
     """Read attributes of a frozen object that are whole numbers, each with the least and the most it may be.
 

@@ -26,7 +26,7 @@ from detumble.analysis.tuning import Objective
 from detumble.analysis.tuning.objective import What
 from detumble.campaigns.runs.draws import drawn_scenario
 from detumble.cli import main
-from detumble.commands.compare import Stages
+from detumble.commands.progress import Line
 from detumble.errors import RequestError
 from detumble.scenario import Scenario, with_settings
 from detumble.scenario.core import axes
@@ -125,15 +125,16 @@ def test_largest_seed_has_further_searches_too() -> None:
     assert [tuning.optimiser_seed for tuning in result.entries[0].tunings] == [largest, 0]
 
 
-@pytest.mark.parametrize("tuned", [True, False])
+@pytest.mark.parametrize("begun", [True, False])
 def test_stopping_says_how_to_go_on_where_there_is_something_to_go_on_with(
-    tuned: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    begun: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    if tuned:
-        (tmp_path / "records").mkdir()
-    with pytest.raises(KeyboardInterrupt), Stages(tmp_path):
+    line = Line(tmp_path, "runs")
+    if begun:
+        line.begin(3)
+    with pytest.raises(KeyboardInterrupt), line:
         raise KeyboardInterrupt
-    assert ("--resume" in capsys.readouterr().err) is tuned
+    assert ("--resume" in capsys.readouterr().err) is begun
 
 
 def test_figures_are_drawn_for_few_and_for_failing_runs(small: Comparison, tmp_path: Path) -> None:

@@ -15,9 +15,9 @@ import pytest
 import detumble
 from detumble.analysis.trials import Trials
 from detumble.analysis.tuning import Objective, Tuned, held_out, tune
+from detumble.analysis.tuning.evolution import minimise
 from detumble.analysis.tuning.gains import gains_of
 from detumble.analysis.tuning.horizon import default_horizon
-from detumble.analysis.tuning.search import minimise
 from detumble.analysis.tuning.space import space_of
 from detumble.campaigns.runs.draws import drawn_scenario
 from detumble.errors import RequestError, ScenarioError
@@ -248,8 +248,8 @@ def test_a_killed_search_goes_on_to_the_bit(tmp_path: Path, dispersed: Scenario)
 import os, signal, sys
 from detumble.analysis.tuning import Objective, tune
 class Killer:
-    def begin(self, budget): pass
-    def now(self, done, cost, share):
+    def begin(self, total): pass
+    def now(self, done, fresh, found):
         if done > 15: os.kill(os.getpid(), signal.SIGKILL)
 tune("paper_dispersed", "tsmc", seed=6, budget=40, starts=12, horizon=40.0,
      objective=Objective(until="captured"), record=sys.argv[1], watcher=Killer())
@@ -305,12 +305,12 @@ def test_one_search_at_a_time_works_in_a_folder(tmp_path: Path, dispersed: Scena
     refusals = []
 
     class Second:
-        def begin(self, budget: int) -> None:
+        def begin(self, total: int) -> None:
             with pytest.raises(RequestError) as refused:
                 tune(dispersed, "pd", record=tmp_path / "record.jsonl", **QUICK)
             refusals.append(str(refused.value))
 
-        def now(self, done: int, cost: float, share: float) -> None:
+        def now(self, done: int, fresh: int, found: object) -> None:
             pass
 
     tune(dispersed, "pd", record=tmp_path / "record.jsonl", watcher=Second(), **QUICK)

@@ -71,7 +71,7 @@ def campaign(
 
     check_polars()  # before polars is imported, which has warnings of its own to that
     from detumble.campaigns.campaign import campaign as fly
-    from detumble.commands.progress import Progress
+    from detumble.commands.progress import Line
     from detumble.results import refuse_foreign, results_folder
     from detumble.writing import write_text
 
@@ -81,7 +81,7 @@ def campaign(
         raise RequestError("--map: needs --figures")
     if figures:
         _check_figures(chosen, tuple(over or ()))
-    with Progress(out) as progress:
+    with Line(out, "runs", _success) as line:
         result = fly(
             chosen,
             law,
@@ -94,7 +94,7 @@ def campaign(
             resume=resume,
             until_ci=until_ci,
             backend=backend,
-            watcher=progress,
+            watcher=line,
         )
     with results_folder(out, FILES, stale=FILES if result.effort.flown or figures else ()):
         write_text(out / "summary.json", json_text(result.to_json()) + "\n")
@@ -136,6 +136,12 @@ def _check_figures(scenario: Scenario, over: tuple[str, ...]) -> None:
     check_map(scenario, over)
     if scenario.dispersions:
         pawn()
+
+
+def _success(statistics: Statistics) -> str:
+    """Give the success of the runs so far, for the progress line."""
+    estimate = statistics.success
+    return f"success {100 * estimate.share:.2f} ± {100 * estimate.half_width:.2f} %" if statistics.runs else ""
 
 
 def _text(result: CampaignResult) -> str:

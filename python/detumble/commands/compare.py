@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
 
@@ -13,9 +12,6 @@ from detumble.commands.printing import print_json, remark
 from detumble.errors import RequestError
 
 if TYPE_CHECKING:
-    from types import TracebackType
-    from typing import Self
-
     from detumble.analysis.comparing.entries import Entry
     from detumble.analysis.tuning.objective import Until, What
     from detumble.scenario.model import Scenario
@@ -65,6 +61,7 @@ def compare(
     from detumble.analysis.comparing.report import text_of
     from detumble.analysis.comparing.result import FIGURES, FILES
     from detumble.analysis.tuning import Objective
+    from detumble.commands.progress import Line
     from detumble.flight import INSIDE
     from detumble.results import results_folder
 
@@ -87,9 +84,10 @@ def compare(
         robust=robust,
         as_given=as_given,
     )
-    with results_folder(out, FILES, scenario, stale=("tuned/*.toml", *FIGURES)), Stages(out) as stages:
+    kept = None if as_given else out
+    with results_folder(out, FILES, scenario, stale=("tuned/*.toml", *FIGURES)), Line(kept) as line:
         entries = _entries(chosen, laws, entry or [])
-        result = work(chosen, entries, plan, out=out, resume=resume, threads=threads, watcher=stages)
+        result = work(chosen, entries, plan, out=out, resume=resume, threads=threads, watcher=line)
         drawn = result.figures(out / "figures") if out else []
     if as_json:
         print_json(result.to_json() | {"files": [str(file) for file in drawn]})
@@ -113,49 +111,3 @@ def _entries(scenario: Scenario, laws: str | None, entry: list[str]) -> list[Ent
     if laws is not None:
         return list(entries_of([law.strip() for law in laws.split(",") if law.strip()]))
     return [Entry.parsed(text, scenario) for text in entry] or None
-
-
-class Stages:
-    """A line at the bottom of the terminal that tells what is done; in `with`. On Ctrl-C it says how to go on.
-
-    Args:
-        folder: of the comparison; None keeps nothing.
-    """
-
-    def __init__(self, folder: Path | None) -> None:
-        from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-        self._folder = folder
-        self._bar = Progress(
-            TextColumn("{task.description}", markup=False),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TimeRemainingColumn(),
-            console=Console(stderr=True),
-            transient=True,
-            disable=not sys.stderr.isatty(),
-        )
-        self._task = self._bar.add_task("", total=None)
-
-    def stage(self, what: str, total: int) -> None:
-        """Begin a bar."""
-        self._bar.reset(self._task, description=what, total=total)
-
-    def now(self, done: int) -> None:
-        """Draw it anew."""
-        self._bar.update(self._task, completed=done)
-
-    def __enter__(self) -> Self:
-        self._bar.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._bar.stop()
-        from detumble.analysis.comparing.plan import RECORDS
-
-        interrupted = isinstance(error, SystemExit | KeyboardInterrupt)
-        if interrupted and self._folder and (self._folder / RECORDS).exists():
-            remark(f"stopped; the same command with --resume goes on with the tunings: {self._folder}")

@@ -13,9 +13,10 @@ from detumble.errors import RequestError
 from detumble.tables import cell, fixed, table
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from detumble.analysis.tuning.pareto import Front
+    from detumble.analysis.tuning.search import Generation
     from detumble.analysis.tuning.space import Space
     from detumble.analysis.tuning.tuner import Tuned, Worth
     from detumble.scenario.model import Scenario
@@ -138,13 +139,13 @@ def _single(
     from detumble.analysis.tuning import Objective, held_out
     from detumble.analysis.tuning import tune as search
     from detumble.checking import whole
-    from detumble.commands.progress import SearchProgress
+    from detumble.commands.progress import Line
     from detumble.flight import INSIDE
 
     objective = Objective(**what)
     runs = whole("held_out", runs, 0, 10**9)
-    with SearchProgress(out, objective.unit) as progress:
-        tuned = search(scenario, law, objective=objective, watcher=progress, **how)
+    with Line(out, "candidates", _best(objective.unit)) as line:
+        tuned = search(scenario, law, objective=objective, watcher=line, **how)
     other = (tuned.seed + 1) % 2**64
     judged = held_out(tuned, runs, other, threads=how["threads"]) if runs else None
     numbers = tuned.to_json() | {"feasible": tuned.feasible, "held_out": _judged_json(judged, runs, other)}
@@ -168,10 +169,10 @@ def _pareto(
     scenario: Scenario, law: str, how: dict[str, Any], what: dict[str, Any], out: Path | None, as_json: bool
 ) -> None:
     from detumble.analysis.tuning import pareto_front
-    from detumble.commands.progress import SearchProgress
+    from detumble.commands.progress import Line
 
-    with SearchProgress(out, "s") as progress:
-        front = pareto_front(scenario, law, watcher=progress, **what, **how)
+    with Line(out, "candidates", _best("s")) as line:
+        front = pareto_front(scenario, law, watcher=line, **what, **how)
     files = _write_front(front, out) if out else []
     if as_json:
         print_json(front.to_json() | {"files": [str(file) for file in files]})
@@ -183,6 +184,11 @@ def _pareto(
             "no front; --horizon gives them longer, --required asks for less"
         )
     _say(files)
+
+
+def _best(unit: str) -> Callable[[Generation], str]:
+    """Describe the best candidate so far, for the progress line."""
+    return lambda last: f"best {last.best:.4g} {unit}, success {100 * last.success:.1f} %"
 
 
 def _say(files: Sequence[Path]) -> None:

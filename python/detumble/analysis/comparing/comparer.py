@@ -20,7 +20,7 @@ from detumble import __version__
 from detumble.analysis.bounds.runs import capture_bounds, delta_v_bounds, settling_bounds
 from detumble.analysis.comparing.entries import check_entries, entries_of
 from detumble.analysis.comparing.judge import Runs, Verdict, fly
-from detumble.analysis.comparing.plan import RECORDS, SPREAD, Plan, Unwatched, Watcher
+from detumble.analysis.comparing.plan import RECORDS, SPREAD, Plan
 from detumble.analysis.comparing.ranking import Score
 from detumble.analysis.comparing.ratios import FUEL_RUNS, Ratio
 from detumble.analysis.comparing.result import FILES, PLAN, Comparison, Judged, Tuning, pairs_of, ranking_of
@@ -33,6 +33,7 @@ from detumble.analysis.tuning.space import space_of
 from detumble.checking import MOST_SEED, flag, instance, whole
 from detumble.compiled import check_gains
 from detumble.errors import RequestError
+from detumble.progress import Watcher
 from detumble.results import results_folder
 from detumble.scenario.core import case
 from detumble.scenario.files import given
@@ -68,7 +69,7 @@ def compare(
         out: folder for the records of the searches, one scenario file per entry with its gains, and `comparison.json`.
         resume: go on with the searches that the folder holds.
         threads: to use; None for all processors. The result is the same.
-        watcher: is told how it gets on.
+        watcher: follows the progress, stage by stage.
 
     Raises:
         RequestError: an argument makes no sense, or the folder cannot be used.
@@ -89,7 +90,7 @@ def compare(
     with results_folder(folder, FILES, source):
         if folder is not None:
             _begin(folder, scenario, entries, plan, resume)
-        work = _Work(scenario, plan, folder, resume, threads, watcher or Unwatched())
+        work = _Work(scenario, plan, folder, resume, threads, watcher or Watcher())
         judged = [work.judged(entry) for entry in entries]
         bounds = work.bounds()
         judged = [replace(one, ratios=ratios) for one, ratios in zip(judged, work.ratios(judged, bounds), strict=True)]
@@ -152,6 +153,10 @@ class _Work:
         self.sweeps = sweeps_of(scenario) if plan.robust else ()
         self.folder, self.resume, self.threads, self.watcher = folder, resume, threads, watcher
 
+    def _stage(self, title: str, total: int) -> None:
+        self.watcher.stage(title)
+        self.watcher.begin(total)
+
     def judged(self, entry: Entry) -> Judged:
         """Tune an entry, and fly the held-out runs with what was found."""
         plan = self.plan
@@ -176,7 +181,7 @@ class _Work:
         if record:
             with output_folder(record.parent):
                 pass
-        self.watcher.stage(f"{entry.name}: tuning {number + 1} of {plan.tunings}", plan.budget)
+        self.watcher.stage(f"{entry.name}: tuning {number + 1} of {plan.tunings}")
         tuned = tune(
             self.scenario,
             entry.law,
@@ -190,12 +195,12 @@ class _Work:
             record=record,
             resume=self.resume,
             threads=self.threads,
-            watcher=_Search(self.watcher),
+            watcher=self.watcher,
         )
         return Tuning(tuned.optimiser_seed, tuned.scenario, tuned.gains, tuned.cost, tuned.success)
 
     def _flown(self, entry: Entry, scenario: Scenario, runs: int) -> Runs:
-        self.watcher.stage(f"{entry.name}: held-out runs", runs)
+        self._stage(f"{entry.name}: held-out runs", runs)
         return fly(
             scenario, entry.law, self.plan.judging, runs, end=self.end, threads=self.threads, progress=self.watcher.now
         )
@@ -212,14 +217,14 @@ class _Work:
 
     def bounds(self) -> Array:
         """Bound the capture time of every held-out run: one table for all entries."""
-        self.watcher.stage("least capture time of every run", self.plan.runs)
+        self._stage("least capture time of every run", self.plan.runs)
         trials = Trials(self.scenario, self.plan.judging, 0, self.plan.runs)
         return capture_bounds(trials, processes=self.threads, progress=self.watcher.now)
 
     def ratios(self, judged: Sequence[Judged], bounds: Array) -> list[dict[str, Ratio]]:
         """Put entries against what any controller could do."""
         count = min(FUEL_RUNS, self.plan.runs)
-        self.watcher.stage("least Δv of the first runs", count * len(judged))
+        self._stage("least Δv of the first runs", count * len(judged))
         within = np.array([one.runs["capture_time"][:count] for one in judged])
         trials = Trials(self.scenario, self.plan.judging, 0, count)
         fuel = delta_v_bounds(trials, within, processes=self.threads, progress=self.watcher.now)
@@ -240,7 +245,7 @@ class _Work:
         if not self.plan.robust:
             return ()
         count = min(self.plan.robust, self.plan.runs)
-        self.watcher.stage(f"{one.entry.name}: robustness", flights(self.sweeps, count))
+        self._stage(f"{one.entry.name}: robustness", flights(self.sweeps, count))
         return robustness(
             one.tuning.scenario,
             one.entry.law,
@@ -255,17 +260,3 @@ class _Work:
 
 def _as_given(entry: Entry, scenario: Scenario) -> Tuning:
     return Tuning(None, entry.told(scenario), {}, None, None)
-
-
-class _Search:
-    """Passes on how a search gets on."""
-
-    def __init__(self, watcher: Watcher) -> None:
-        self._watcher = watcher
-
-    def begin(self, budget: int) -> None:
-        """Nothing that is not known."""
-
-    def now(self, done: int, cost: float, share: float) -> None:  # noqa: ARG002  # as a search tells it
-        """Pass on how far it is."""
-        self._watcher.now(done)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 from detumble.analysis.tuning import Objective
 from detumble.checking import MOST_SEED, real, wholes
@@ -14,28 +14,6 @@ SPREAD = 10_000
 
 RECORDS = "records"
 """Folder of the records of the searches, within that of the comparison."""
-
-
-class Watcher(Protocol):
-    """Is told how a comparison gets on."""
-
-    def stage(self, what: str, total: int) -> None:
-        """A part of the work begins, so many units long."""
-        ...
-
-    def now(self, done: int) -> None:
-        """So many units of it are done."""
-        ...
-
-
-class Unwatched:
-    """Nobody looks."""
-
-    def stage(self, what: str, total: int) -> None:
-        """Say nothing."""
-
-    def now(self, done: int) -> None:
-        """Say nothing."""
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from detumble.checking import flag
 from detumble.errors import RequestError
 from detumble.locking import Lock
 from detumble.scenario.wording import shown
@@ -53,6 +54,7 @@ class Record:
     ) -> None:
         self.path = named_file(path).absolute() if path is not None else None
         self._budget = budget
+        resume = flag("resume", resume)
         self._known: list[tuple[list[float], list[float]]] = []
         self._next = 0
         self._lock: Lock | None = None
