@@ -5,10 +5,9 @@ from __future__ import annotations
 import os
 import statistics
 import time
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-
+from detumble.commands.arguments import AsJson
 from detumble.commands.printing import print_json, remark
 from detumble.tables import table
 
@@ -20,7 +19,7 @@ SECONDS = 0.4
 """Length of one timed repeat: long against a scheduler's slice."""
 
 
-def bench(as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False) -> None:
+def bench(as_json: AsJson = False) -> None:
     """Measure how many trajectory-steps of workload W this machine flies a second."""
     from detumble.compiled import core
     from detumble.workload import FLOP_PER_STEP

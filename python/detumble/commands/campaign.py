@@ -8,8 +8,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from detumble.campaigns import FIGURES
-from detumble.commands.arguments import folder, scenario_of
-from detumble.commands.printing import json_text, print_json, remark
+from detumble.commands.arguments import (
+    AsJson,
+    Backend,
+    Law,
+    More,
+    ScenarioName,
+    Settings,
+    Threads,
+    out_option,
+    scenario_of,
+)
+from detumble.commands.printing import json_text, print_result, remark, remark_written
 from detumble.errors import RequestError
 from detumble.tables import fixed, table
 
@@ -32,21 +42,16 @@ SHOWN = (
 
 
 def campaign(
-    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")],
-    out: Annotated[Path, typer.Option(parser=folder, metavar="DIR", help="Folder of the campaign.")],
-    more: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")] = None,
-    law: Annotated[
-        str | None,
-        typer.Option(help="pd, lqr, sosmc, tsmc, prrl, or none for open loop.  [prrl, or the only one given]"),
-    ] = None,
+    scenario: ScenarioName,
+    out: Annotated[Path, out_option("Folder of the campaign.")],
+    more: More = None,
+    law: Law = None,
     runs: Annotated[
         int | None, typer.Option(help="Number of runs; with --until-ci the most to fly.  [1000, or 1000000]")
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of all random numbers.")] = 0,
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
-    ] = None,
-    threads: Annotated[int | None, typer.Option(help="Threads to use; all processors by default.")] = None,
+    settings: Settings = None,
+    threads: Threads = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers fly: tcp://host:8786")
     ] = None,
@@ -63,8 +68,8 @@ def campaign(
         list[str] | None,
         typer.Option("--map", metavar="COLUMN", help="Give it twice: the two columns of the success map."),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
-    backend: Annotated[str | None, typer.Option(help="portable, avx2 or avx512; else the core chooses.")] = None,
+    as_json: AsJson = False,
+    backend: Backend = None,
 ) -> None:
     """Fly a scenario many times and say how surely, how fast and at what cost it captures."""
     from detumble.surroundings import check_polars
@@ -75,7 +80,7 @@ def campaign(
     from detumble.results import refuse_foreign, results_folder
     from detumble.writing import write_text
 
-    chosen = scenario_of(scenario, [*(settings or ()), *(more or ())])
+    chosen = scenario_of(scenario, settings, more)
     refuse_foreign(out, FILES, scenario)
     if over and not figures:
         raise RequestError("--map: needs --figures")
@@ -99,10 +104,7 @@ def campaign(
     with results_folder(out, FILES, stale=FILES if result.effort.flown or figures else ()):
         write_text(out / "summary.json", json_text(result.to_json()) + "\n")
         drawn = result.figures(tuple(over or ()), until_ci) if figures else []
-    if as_json:
-        print_json(result.to_json() | {"files": [str(file) for file in drawn]})
-    else:
-        print(_text(result))
+    print_result(as_json, result.to_json(), lambda: _text(result), drawn)
     half_width = result.statistics.success.half_width
     if until_ci is not None and half_width > until_ci:
         remark(
@@ -111,8 +113,7 @@ def campaign(
     for warning in result.warnings:
         if warning not in chosen.warnings:  # those were said before
             remark(f"warning: {warning}")
-    for file in drawn:
-        remark(f"written: {file}")
+    remark_written(drawn)
     if result.statistics.broken_off == result.statistics.runs:
         raise typer.Exit(1)
 

@@ -7,8 +7,17 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from detumble.commands.arguments import folder, percentile, scenario_of
-from detumble.commands.printing import print_json, remark
+from detumble.commands.arguments import (
+    AsJson,
+    More,
+    ScenarioName,
+    Settings,
+    Threads,
+    out_option,
+    percentile,
+    scenario_of,
+)
+from detumble.commands.printing import print_result, remark
 from detumble.errors import RequestError
 
 if TYPE_CHECKING:
@@ -18,8 +27,8 @@ if TYPE_CHECKING:
 
 
 def compare(
-    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")],
-    more: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")] = None,
+    scenario: ScenarioName,
+    more: More = None,
     laws: Annotated[
         str | None, typer.Option(metavar="LAW,...", help="Laws, each printed and corrected.  [all]")
     ] = None,
@@ -45,15 +54,11 @@ def compare(
     robust: Annotated[
         int, typer.Option(help="Of these, how many fly again with something changed; 0 leaves it out.")
     ] = 10_000,
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(parser=folder, metavar="DIR", help="Write records, numbers, gains and figures here.")
-    ] = None,
+    settings: Settings = None,
+    out: Annotated[Path | None, out_option("Write records, numbers, gains and figures here.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the tunings in DIR.")] = False,
-    threads: Annotated[int | None, typer.Option(help="Threads to use; all processors by default.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    threads: Threads = None,
+    as_json: AsJson = False,
 ) -> None:
     """Tune several laws with equal means and say which is better, how surely, and how far from the best possible."""
     from detumble.analysis.comparing.comparer import compare as work
@@ -71,7 +76,7 @@ def compare(
         if held_out_seed is not None:
             raise RequestError("--held-out and --held-out-seed: are one option under two names; give the latter")
         remark("--held-out: is called --held-out-seed here, since --held-out of tune is a number of runs")
-    chosen = scenario_of(scenario, [*(settings or ()), *(more or ())])
+    chosen = scenario_of(scenario, settings, more)
     plan = Plan(
         objective=Objective(cast("What", objective), percentile(statistic), required, cast("Until | None", until)),
         horizon=horizon,
@@ -89,10 +94,7 @@ def compare(
         entries = _entries(chosen, laws, entry or [])
         result = work(chosen, entries, plan, out=out, resume=resume, threads=threads, watcher=line)
         drawn = result.figures(out / "figures") if out else []
-    if as_json:
-        print_json(result.to_json() | {"files": [str(file) for file in drawn]})
-    else:
-        print(text_of(result))
+    print_result(as_json, result.to_json(), lambda: text_of(result), drawn)
     if not result.bounds.any():
         remark(f"warning: {INSIDE}, in every run")
     if out:

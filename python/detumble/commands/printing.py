@@ -11,12 +11,27 @@ from typing import TYPE_CHECKING, Any
 from detumble.text import printable
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Iterable, Mapping
+    from pathlib import Path
 
 
 def print_json(values: Mapping[str, Any]) -> None:
     """Print one JSON object on standard output; what is not finite becomes null."""
     print(json_text(values))
+
+
+def print_result(as_json: bool, numbers: Mapping[str, Any], text: Callable[[], str], files: Iterable[Path]) -> None:
+    """Print what a command found: the numbers and the paths of the files as one JSON object, or else the text."""
+    if as_json:
+        print_json({**numbers, "files": [str(file) for file in files]})
+    else:
+        print(text())
+
+
+def remark_written(files: Iterable[Path]) -> None:
+    """Remark each file that was written."""
+    for file in files:
+        remark(f"written: {file}")
 
 
 def json_text(values: Mapping[str, Any]) -> str:
@@ -35,6 +50,6 @@ def _finite(value: Any) -> Any:
 
 
 def remark(text: str) -> None:
-    """Tell a person something without touching standard output; where nobody can be told, nothing is lost."""
+    """Print a line on standard error; nothing happens where that cannot be written."""
     with suppress(OSError):
         print(printable(text), file=sys.stderr)

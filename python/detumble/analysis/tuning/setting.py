@@ -89,6 +89,12 @@ class Setting:
         """The first of the objectives."""
         return self.objectives[0]
 
+    @property
+    def form(self) -> str:
+        """Form of the law, `printed` or `corrected`."""
+        form: str = getattr(self.space.base.laws, self.space.law).form
+        return form
+
     def scenario(
         self, gains: Mapping[str, float], success: float, reached: Mapping[str, float], what: str = ""
     ) -> Scenario:
@@ -126,7 +132,7 @@ class Setting:
         return {
             "scenario": base.title,
             "law": law,
-            "form": getattr(base.laws, law).form,
+            "form": self.form,
             "objective": objective.what,
             "statistic": objective.statistic,
             "required": objective.required,
