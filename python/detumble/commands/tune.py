@@ -209,7 +209,7 @@ def _gains_json(space: Space) -> list[dict[str, Any]]:
 
 def _ranges(space: Space) -> str:
     """Table of the gains that can be searched for: the scenario's own, the range, the meaning."""
-    rows = [("gain", "own", "from", "to", "unit")]
+    rows: list[tuple[str, ...]] = [("gain", "own", "from", "to", "unit")]
     for gain, tunable in zip(_gains_json(space), space.tunables, strict=True):
         rows.append((tunable.path, *(cell(gain[key], 4) for key in ("own", "low", "high")), tunable.unit))
     head, rule, *lines = table(rows).splitlines()
