@@ -28,7 +28,7 @@ SPHERES = [
 
 
 def plain(settings, name="paper"):
-    return case(with_settings(detumble.load(name), [*settings, "sensors={}"]), "none")
+    return case(with_settings(detumble.load(name), [*settings, "sensors={}"]), "pd")
 
 
 def slowest(numbers):

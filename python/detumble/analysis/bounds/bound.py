@@ -119,7 +119,9 @@ def bound(scenario: Scenario | str | os.PathLike[str], within: float | None = No
     scenario = given(scenario)
     if not scenario.capture.model_fields_set:
         raise ScenarioError(scenario.title, [Fault("capture", "missing; a bound needs the thresholds of capture")])
-    return bound_of(core_case(scenario, "none"), within)
+    plain = core_case(scenario, "none")
+    plain["plan"]["transition"] = scenario.capture.transition  # open loop never merges; what a controller captures does
+    return bound_of(plain, within)
 
 
 def bound_of(case: Mapping[str, Any], within: float | None = None) -> Bounds:
