@@ -1,4 +1,4 @@
-"""Import of matplotlib that no setting of the user can make fail."""
+"""Import of matplotlib: no setting of the user's may keep it from being imported, or reach a picture."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 own_process = False
-"""Whether this process runs the command line. In any other process the user's settings are kept as long as they work."""
+"""Whether this process runs the command line. In any other, a user's settings with which matplotlib can be imported hold."""
 
 
 def load_matplotlib() -> None:
-    """Import matplotlib; to be called before anything else imports it.
+    """Import matplotlib; must be called before anything else imports it.
 
-    In a process of the user's own its settings hold, unless the import fails with them; `show.style.styled` keeps them out of
-    the figures. The import fails with a backend that is not installed (`MPLBACKEND`, inherited by every process that a notebook
-    starts), and with rc or style files that cannot be read.
+    In a Python process of the user's the user's settings hold, unless the import fails with them; `show.style.styled` keeps
+    them out of detumble's pictures. The import fails with a backend that is not installed here (`MPLBACKEND`, which a process
+    started from a notebook inherits), and with rc or style files that cannot be read.
     """
     if not own_process:
         try:
             import matplotlib.style
-        except Exception:  # settings can raise anything
+        except Exception:  # whatever those settings bring about
             pass
         else:
             return
