@@ -21,7 +21,7 @@ from detumble.campaigns.runs.workers import Threads
 from detumble.campaigns.statistics.statistics import Statistics
 from detumble.campaigns.store.folder import Store
 from detumble.campaigns.store.shard import frame_of
-from detumble.checking import MOST_SEED, flag, met, plain, whole
+from detumble.checking import flag, met, plain, seed_number, thread_count, whole
 from detumble.compiled import check_gains, checked_backend
 from detumble.errors import RequestError
 from detumble.progress import Watcher
@@ -87,10 +87,10 @@ def campaign(
     law = scenario.laws.default if law is None else law
     runs, seed, shard = (
         whole("runs", runs, 1, 10**12),
-        whole("seed", seed, 0, MOST_SEED),
+        seed_number("seed", seed),
         whole("shard", shard, 1, 10**6),
     )
-    threads = None if threads is None else whole("threads", threads, 1, 4096)
+    threads = thread_count(threads)
     local_cluster = None if local_cluster is None else whole("local_cluster", local_cluster, 1, 4096)
     until_ci = None if until_ci is None else _half_width(until_ci)
     if sum(given is not None for given in (threads, local_cluster, scheduler)) > 1:

@@ -30,7 +30,7 @@ from detumble.analysis.tuning import tune
 from detumble.analysis.tuning.gains import mean_acceleration
 from detumble.analysis.tuning.horizon import default_horizon
 from detumble.analysis.tuning.space import space_of
-from detumble.checking import MOST_SEED, flag, instance, whole
+from detumble.checking import MOST_SEED, flag, instance, thread_count
 from detumble.compiled import check_gains
 from detumble.errors import RequestError
 from detumble.progress import Watcher
@@ -84,8 +84,7 @@ def compare(
     for entry in entries:
         flown = entry.told(scenario) if plan.as_given else space_of(scenario, entry.law, form=entry.form).base
         check_gains(scenario.title, case(flown, entry.law))
-    if threads is not None:
-        whole("threads", threads, 1, 4096)
+    threads = thread_count(threads)
     folder = named_folder(out, "out") if out is not None else None
     with results_folder(folder, FILES, source):
         if folder is not None:

@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from detumble.analysis.tuning import Objective
-from detumble.checking import MOST_SEED, real, wholes
+from detumble.analysis.tuning.setting import BUDGET, STARTS
+from detumble.checking import MOST_SEED, real, seed_number, whole
 from detumble.errors import RequestError
 
 SPREAD = 10_000
@@ -50,16 +51,18 @@ class Plan:
         Raises:
             RequestError: naming the argument.
         """
-        wholes(self, seed=(0, MOST_SEED))
-        if self.held_out is None:
-            object.__setattr__(self, "held_out", self.seed + 1 if self.seed < MOST_SEED else 0)
-        ranges = {"seed": (0, MOST_SEED), "held_out": (0, MOST_SEED), "budget": (1, 10**9), "starts": (1, 10**6)}
-        ranges |= {"tunings": (1, 100), "runs": (1, 10**7), "robust": (0, 10**7)}
-        wholes(self, **ranges)
+        seed = seed_number("seed", self.seed)
+        held_out = (seed + 1) % (MOST_SEED + 1) if self.held_out is None else seed_number("held_out", self.held_out)
+        if held_out == seed:
+            raise RequestError(f"held_out {held_out}: must not be the seed of the training starts")
+        read: dict[str, Any] = {"seed": seed, "held_out": held_out}
+        ranges = {"budget": BUDGET, "starts": STARTS, "tunings": (1, 100), "runs": (1, 10**7), "robust": (0, 10**7)}
+        for name, (least, most) in ranges.items():
+            read[name] = whole(name, getattr(self, name), least, most)
         if self.horizon is not None:
-            object.__setattr__(self, "horizon", real("horizon", self.horizon, above=0.0, unit="s"))
-        if self.held_out == self.seed:
-            raise RequestError(f"held_out {self.held_out}: must not be the seed of the training starts")
+            read["horizon"] = real("horizon", self.horizon, above=0.0, unit="s")
+        for name, value in read.items():
+            object.__setattr__(self, name, value)
 
     @property
     def judging(self) -> int:

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     from detumble.scenario.model import Scenario
 
 
+BUDGET, STARTS = (1, 10**9), (1, 10**6)
+"""Least and most."""
+
+
 @dataclass(frozen=True)
 class Setting:
     """What is searched, how candidates are judged, and what every candidate meets.
@@ -72,7 +76,7 @@ class Setting:
             ScenarioError: the scenario cannot be flown.
         """
         scenario = given(scenario)
-        budget, starts = whole("budget", budget, 1, 10**9), whole("starts", starts, 1, 10**6)
+        budget, starts = whole("budget", budget, *BUDGET), whole("starts", starts, *STARTS)
         seed = seed_number("seed", seed)
         optimiser_seed = seed if optimiser_seed is None else seed_number("optimiser_seed", optimiser_seed)
         horizon = None if horizon is None else real("horizon", horizon, above=0.0, unit="s")
