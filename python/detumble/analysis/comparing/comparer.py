@@ -1,8 +1,8 @@
-"""A comparison from its plan to its result: tune, judge on held-out runs, bound, change something, test, order.
+"""A comparison from its plan to its result: tune, judge on held-out runs, bound, vary the scenario, test, order.
 
-Everybody gets the same: budget, objective, horizon, training starts, seeds of the searches. Each entry is tuned several times,
-since one search may be lucky; the tuning of the least cost on the training starts is judged, and the others tell how much
-luck there was. Nothing that is reported was measured on the training starts, but their own cost.
+All entries get the same budget, objective, horizon, training starts and seeds of the searches. Each entry is tuned several
+times, since one search may be lucky; the tuning of the least cost on the training starts is judged, and the others show the
+spread. All that is reported was measured on held-out runs, except the training cost itself.
 """
 
 from __future__ import annotations
@@ -64,10 +64,10 @@ def compare(
 
     Args:
         scenario: a scenario, or what `load` takes; its gains are what the searches begin with.
-        entries: who; None is every law, printed and corrected (as given: every law that the scenario has gains for).
-        plan: how; None is the default one.
+        entries: to be compared; None is every law, printed and corrected (as given: every law that the scenario has gains for).
+        plan: budget, objective, runs; None is the default one.
         out: folder for the records of the searches, one scenario file per entry with its gains, and `comparison.json`.
-        resume: go on with the searches that the folder holds.
+        resume: continue the searches that the folder holds.
         threads: to use; None for all processors. The result is the same.
         watcher: follows the progress, stage by stage.
 
@@ -82,7 +82,7 @@ def compare(
         entries = entries_of([law for law in LAWS if not plan.as_given or getattr(scenario.laws, law) is not None])
     check_entries(entries, scenario, as_given=plan.as_given)
     for entry in entries:
-        flown = entry.told(scenario) if plan.as_given else space_of(scenario, entry.law, form=entry.form).base
+        flown = entry.of_scenario(scenario) if plan.as_given else space_of(scenario, entry.law, form=entry.form).base
         check_gains(scenario.title, case(flown, entry.law))
     threads = thread_count(threads)
     folder = named_folder(out, "out") if out is not None else None
@@ -103,7 +103,7 @@ def compare(
 
 
 def _begin(folder: Path, scenario: Scenario, entries: Sequence[Entry], plan: Plan, resume: bool) -> None:
-    """Say in the folder what is compared; make sure that it holds nothing else.
+    """Write into the folder what is compared, and check that it holds no other comparison.
 
     Raises:
         RequestError: the folder holds another comparison, or this one and it is not to be resumed.
@@ -122,7 +122,7 @@ def _begin(folder: Path, scenario: Scenario, entries: Sequence[Entry], plan: Pla
         except (OSError, ValueError) as error:
             raise RequestError(f"{path}: broken: {error}") from None
         known = there if isinstance(there, dict) else {}
-        free = ("runs", "robustness_runs")  # judged anew each time
+        free = ("runs", "robustness_runs")  # can differ, since judging is repeated each time
         differing = [name for name, value in json.loads(text).items() if name not in free and known.get(name) != value]
         if differing:
             raise RequestError(f"{folder}: holds another comparison ({', '.join(differing)} differ)")
@@ -132,7 +132,7 @@ def _begin(folder: Path, scenario: Scenario, entries: Sequence[Entry], plan: Pla
 
 
 class _Work:
-    """What is the same for all entries while they are compared."""
+    """The steps of a comparison, and what all entries share."""
 
     def __init__(
         self,
@@ -157,7 +157,7 @@ class _Work:
         self.watcher.begin(total)
 
     def judged(self, entry: Entry) -> Judged:
-        """Tune an entry, and fly the held-out runs with what was found."""
+        """Tune an entry, and fly the held-out runs with its best gains."""
         plan = self.plan
         found = (
             [_as_given(entry, self.scenario)] if plan.as_given else [self._tuned(entry, k) for k in range(plan.tunings)]
@@ -210,7 +210,7 @@ class _Work:
         return Score.of(float(np.mean(runs.succeeded)), objective.required, cost)
 
     def _counted(self, runs: Runs) -> Array:
-        """What each run counts for in the objective."""
+        """Value of each run in the objective."""
         values = self.plan.objective.values(runs.results())[0]
         return np.where(runs.succeeded, np.fmin(values, self.ceiling), self.ceiling)
 
@@ -221,7 +221,7 @@ class _Work:
         return capture_bounds(trials, processes=self.threads, progress=self.watcher.now)
 
     def ratios(self, judged: Sequence[Judged], bounds: Array) -> list[dict[str, Ratio]]:
-        """Put entries against what any controller could do."""
+        """Divide what each entry achieved by the bounds of its runs."""
         count = min(FUEL_RUNS, self.plan.runs)
         self._stage("least Δv of the first runs", count * len(judged))
         within = np.array([one.runs["capture_time"][:count] for one in judged])
@@ -240,7 +240,7 @@ class _Work:
         ]
 
     def curves(self, one: Judged) -> tuple[Curve, ...]:
-        """Fly an entry with something changed."""
+        """Fly an entry with each deviation from the scenario."""
         if not self.plan.robust:
             return ()
         count = min(self.plan.robust, self.plan.runs)
@@ -258,4 +258,4 @@ class _Work:
 
 
 def _as_given(entry: Entry, scenario: Scenario) -> Tuning:
-    return Tuning(None, entry.told(scenario), {}, None, None)
+    return Tuning(None, entry.of_scenario(scenario), {}, None, None)

@@ -1,4 +1,4 @@
-"""How a comparison is made: the same for every entry."""
+"""Plan of a comparison, the same for every entry."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ RECORDS = "records"
 
 @dataclass(frozen=True)
 class Plan:
-    """What every entry is given, and what it is judged on.
+    """Budget of every entry, and the runs that it is judged on.
 
     Attributes:
-        objective: that gains are tuned for and entries are ordered by.
+        objective: gains are tuned for it, and entries ordered by it.
         horizon: s, of the flights of the tuning; None as `analysis.tuning.horizon` has it.
         budget: candidates of each tuning.
         starts: runs that each candidate flies.
         tunings: independent searches of each entry.
         seed: of the training starts; the searches have the seeds from this one on.
-        held_out: seed of the runs that entries are judged on; None is the next one.
-        runs: that they are judged on.
-        robust: of these, how many are flown again with something changed; 0 leaves that out.
-        as_given: nothing is tuned; the scenario's own gains are judged.
+        held_out: seed of the runs that entries are judged on; None is `seed` + 1.
+        runs: number of runs that entries are judged on.
+        robust: number of these that are flown again with each deviation from the scenario; 0 leaves that out.
+        as_given: whether the scenario's own gains are judged, and nothing is tuned.
     """
 
     objective: Objective = field(default_factory=Objective)
@@ -46,10 +46,10 @@ class Plan:
     as_given: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse what makes no sense.
+        """Check the attributes.
 
         Raises:
-            RequestError: naming the argument.
+            RequestError: one makes no sense.
         """
         seed = seed_number("seed", self.seed)
         held_out = (seed + 1) % (MOST_SEED + 1) if self.held_out is None else seed_number("held_out", self.held_out)

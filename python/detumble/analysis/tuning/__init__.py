@@ -1,4 +1,4 @@
-"""Gains that a law is at its best with: what can be searched, by what it is judged, and the search."""
+"""Search for the best gains of a law: what can be searched, the objective, and the search."""
 
 from detumble.analysis.tuning.objective import Objective
 from detumble.analysis.tuning.pareto import Front, pareto_front

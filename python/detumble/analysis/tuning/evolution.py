@@ -1,11 +1,11 @@
 """CMA-ES in the unit cube: the covariance matrix adaptation evolution strategy (Hansen 2016, arXiv:1604.00772), by `cma`.
 
-What gains are worth has several valleys, and a descent finds the bottom of one. The first begins at a given point with a step of
-0.2 of the cube. One that has converged, or that has gained no more than a thousandth in 20 generations, makes room for
-another: in turn from the best point so far with a small step, to refine it, and from the best of some random points, to find
-another valley. Every evaluation counts, and all of the budget is used.
+The cost of gains has several local minima, and a descent finds one of them. The first descent begins at a given point with a
+step of 0.2 of the cube. When a descent has converged, or has gained no more than a thousandth in 20 generations, the next one
+begins: in turn from the best point so far with a small step, to refine it, and from the best of some random points, to find
+another minimum. Every evaluation counts, and all of the budget is used.
 
-All randomness comes from a generator of its own: nothing depends on, or touches, numpy's global one.
+All random numbers come from a generator of the search's own; numpy's global one is neither read nor changed.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from detumble.matplotlib_setup import load_matplotlib
 
 Array = NDArray[np.float64]
 Evaluate = Callable[[Array], Array]
-"""Gives the costs (k,) of candidates (k, n): finite, the less the better."""
+"""Gives the costs (k,) of candidates (k, n): finite, less is better."""
 
 STEP, REFINING, EXPLORING = 0.2, 0.05, 0.3
 """Standard deviations, in widths of the cube, with which descents begin: the first, from the best, from anywhere."""
 LEAST = 8
-"""Candidates in a generation: so many fill the lanes of the core."""
+"""Fewest candidates in a generation: as many as the core has lanes."""
 SCATTERED = 8
-"""Random points for each coordinate, the best of which begins a descent elsewhere."""
+"""Number of random points for each coordinate; the best of them begins an exploring descent."""
 PATIENCE, GAIN = 20, 1e-3
 """A descent ends when so many generations lessen its best cost by no more than this share."""
 
@@ -52,11 +52,11 @@ def minimise(evaluate: Evaluate, start: Array, budget: int, seed: int, *, step: 
     """Search the unit cube for the point of the least cost.
 
     Args:
-        evaluate: is given one generation at a time.
+        evaluate: gives the costs of a generation.
         start: (n,) where the first descent begins.
-        budget: number of evaluations, all of which are used; the last generation may be a part of one.
+        budget: number of evaluations, all of which are used; the last generation may be incomplete.
         seed: of the search, 0 or more.
-        step: standard deviation that the first descent begins with, in widths of the cube.
+        step: initial standard deviation of the first descent, in widths of the cube.
 
     Returns:
         The best candidate, the first of those that are equal. A search of a larger budget begins with the same candidates.
@@ -103,7 +103,7 @@ def _stagnant(least: list[float]) -> bool:
 def _strategy(origin: Array, step: float, population: int, generator: np.random.Generator) -> Any:
     """Begin a descent."""
     load_matplotlib()  # which cma imports
-    import cma  # type: ignore[import-untyped]  # it tells no types
+    import cma  # type: ignore[import-untyped]  # it has no type hints
 
     options = {
         "popsize": population,
@@ -117,7 +117,7 @@ def _strategy(origin: Array, step: float, population: int, generator: np.random.
         "maxiter": math.inf,
         "verbose": -10,
         "verb_log": 0,
-        "verb_filenameprefix": os.devnull,  # of the files that are not written; by default in the current folder, if any
+        "verb_filenameprefix": os.devnull,  # of files that are not written; the default would be the current folder
         "verb_disp": 0,
         "signals_filename": "",  # no file steers the search
     }

@@ -1,6 +1,6 @@
-"""Time against Δv: the gains of a law that are not beaten in both.
+"""Time against Δv: the Pareto-optimal gains of a law.
 
-One search after another makes the augmented weighted Tchebycheff distance small (Steuer & Choo 1983),
+One search after another minimises the augmented weighted Tchebycheff distance small (Steuer & Choo 1983),
 
     max(w f_t, (1 - w) f_v) + 0.01 (f_t + f_v),     f = (J - J_best) / (J_worst - J_best)
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 BUDGET, STARTS = (1, 10**9), (1, 10**6)
-"""Least and most."""
+"""Fewest and most evaluations, and starts."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Setting:
 
     Attributes:
         space: the gains that are searched for, in their scenario.
-        objectives: that are made small, one or several; they agree on required success and on how flights end.
+        objectives: that are minimised, one or several; they agree on required success and on how flights end.
         budget: evaluations; one evaluation is one candidate flown from all starts.
         starts: runs 0 to `starts` - 1 of the campaign.
         seed: of that campaign.
@@ -151,7 +151,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class SearchResult:
-    """What a search for gains gives, whatever it makes small.
+    """Result of a search for gains.
 
     Attributes:
         setting: of the search.
@@ -173,7 +173,7 @@ class SearchResult:
 
     @property
     def objective(self) -> Objective:
-        """What was made small; of a front, the objective of the time."""
+        """The objective; of a front, that of the time."""
         return self.setting.objective
 
     @property

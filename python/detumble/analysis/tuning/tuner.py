@@ -1,4 +1,4 @@
-"""Tuning: the gains of a law that make an objective least over the starts of a campaign, within a budget of evaluations."""
+"""Tuning: the gains of a law that minimise an objective over the starts of a campaign, within a budget of evaluations."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Worth:
-    """What gains are worth on some runs.
+    """Cost and success of gains on some runs.
 
     Attributes:
         cost: s or m/s; see `objective`.
@@ -109,7 +109,7 @@ def tune(
         starts: runs that each of them flies.
         seed: of those runs.
         optimiser_seed: of the search; None is the same.
-        objective: what is made small; None is the mean time to capture, with at least 95 % of the runs successful.
+        objective: what is minimised; None is the mean time to capture, with at least 95 % of the runs successful.
         horizon: s after which a run has failed; None as `analysis.tuning.horizon` has it.
         form: of the law; None as the scenario says.
         stack: search for own gains of the stack (True), or for one set that it flies too (False); None as the scenario has it.
@@ -173,7 +173,7 @@ def held_out(tuned: Tuned, runs: int, seed: int, *, threads: int | None = None) 
         Before, and after; by the search's own objective and horizon.
 
     Raises:
-        RequestError: the seed is that of the search or none that a campaign takes, or there are no runs.
+        RequestError: the seed is that of the search or no seed at all, or there are no runs.
     """
     runs, seed = whole("runs", runs, 1, 10**9), seed_number("seed", seed)
     if seed == tuned.seed:
