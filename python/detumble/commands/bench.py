@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 REPEATS = 5
 SECONDS = 0.4
-"""Length of one timed repeat: long against a scheduler's slice."""
+"""Length of one timed repeat, s: long compared with a scheduler's time slice."""
 
 
 def bench(as_json: AsJson = False) -> None:
@@ -75,7 +75,7 @@ def _steps_per_second(backend: str, threads: int) -> float:
 
 
 def _fma_flops(backend: str) -> float:
-    """Measure the peak of one core, flop/s: the best of the repeats, since a peak is what is never exceeded."""
+    """Measure the peak of one core, flop/s: the best of the repeats, since a peak is never exceeded."""
     from detumble.compiled import core
 
     iterations = 1_000_000

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 TABLES = ("translation.csv", "least_delta_v.csv", "attitude.csv")
 FILES = ("bound.json", "bounds.parquet", "scenario.toml", "bound.png", *TABLES)
-"""Written into --out, as far as there is something to write."""
+"""Patterns of what is written into --out."""
 
 
 def bound(
@@ -114,7 +114,7 @@ def _write(scenario: Scenario, found: Bounds, out: Path) -> list[Path]:
 
 
 def _table(path: Path, times: Array, states: dict[str, Array], held: str, control: Array) -> Path:
-    """Write a trajectory: a row for each time, the control from then on; none at the last."""
+    """Write a trajectory: a row for each time, with the control from then on; the last row has none."""
     import numpy as np
     import polars as pl
 

@@ -1,4 +1,4 @@
-"""`detumble campaign`: many runs of one scenario, its uncertain numbers drawn anew for each, and what they show."""
+"""`detumble campaign`: many runs of one scenario with dispersed numbers, and their statistics."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ FILES = ("summary.json", *FIGURES)
 """Written into --out beside the runs."""
 DEFAULT_RUNS = 1000
 MOST_RUNS = 1_000_000
-"""Unless told otherwise, until the interval is narrow enough."""
+"""Default of --runs with --until-ci."""
 SHOWN = (
     ("capture_time_s", "capture", "s", 1),
     ("settling_time_s", "settling", "s", 1),
@@ -74,7 +74,7 @@ def campaign(
     """Fly a scenario many times and say how surely, how fast and at what cost it captures."""
     from detumble.surroundings import check_polars
 
-    check_polars()  # before polars is imported, which has warnings of its own to that
+    check_polars()  # before polars is imported, which prints warnings of its own
     from detumble.campaigns.campaign import campaign as fly
     from detumble.commands.progress import Line
     from detumble.results import refuse_foreign, results_folder
@@ -111,7 +111,7 @@ def campaign(
             f"the interval is still {half_width:.3g} to either side, not {until_ci:g}: --resume with more --runs goes on"
         )
     for warning in result.warnings:
-        if warning not in chosen.warnings:  # those were said before
+        if warning not in chosen.warnings:  # those were printed before
             remark(f"warning: {warning}")
     remark_written(drawn)
     if result.statistics.broken_off == result.statistics.runs:
@@ -119,7 +119,7 @@ def campaign(
 
 
 def _runs(asked: int | None, until_ci: float | None, resumed: Path | None) -> int:
-    """Say how many runs are flown at most: as many as the campaign that is continued was to have, unless told otherwise."""
+    """Give the number of runs: as asked for, else that of the campaign that is continued, else the default."""
     from detumble.campaigns.store.manifest import MANIFEST, read_manifest
 
     if asked is not None:
@@ -130,7 +130,7 @@ def _runs(asked: int | None, until_ci: float | None, resumed: Path | None) -> in
 
 
 def _check_figures(scenario: Scenario, over: tuple[str, ...]) -> None:
-    """Make sure, before anything is flown, that the pictures can be drawn."""
+    """Check, before anything is flown, that the figures can be drawn."""
     from detumble.campaigns.statistics.sensitivity import pawn
     from detumble.show.campaign.pictures import check_map
 

@@ -1,4 +1,4 @@
-"""`detumble compare`: control laws tuned with equal means, judged on the same runs that none was tuned on."""
+"""`detumble compare`: control laws tuned with equal budgets, judged on common runs that none was tuned on."""
 
 from __future__ import annotations
 

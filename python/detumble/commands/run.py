@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from detumble.flight import Flight
 
 FILES = ("flight.nc", "scenario.toml", "metrics.json", "flight.png")
-"""Written into --out."""
+"""Files that are written into --out."""
 ALWAYS_SHOWN = ("capture_time", "settling_time")
-"""That these did not happen is news; that what follows from them did not either is none."""
+"""Metrics that are shown as a dash where they did not happen; others are left out."""
 
 
 def run(

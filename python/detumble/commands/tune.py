@@ -1,4 +1,4 @@
-"""`detumble tune`: search for the gains with which a law is at its best, and say what they are worth on runs not seen before."""
+"""`detumble tune`: search for the best gains of a law, and judge them on held-out runs."""
 
 from __future__ import annotations
 
