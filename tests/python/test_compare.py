@@ -28,6 +28,7 @@ from detumble.campaigns.runs.draws import drawn_scenario
 from detumble.cli import main
 from detumble.commands.progress import Line
 from detumble.errors import RequestError
+from detumble.progress import Watcher
 from detumble.scenario import Scenario, with_settings
 from detumble.scenario.core import axes
 from detumble.show.compare.times import times_over_least
@@ -117,6 +118,33 @@ def test_folder_holds_numbers_and_gains_that_fly(small: Comparison, folder: Path
     own = detumble.load(folder / "tuned" / "pd.toml")
     flown = Trials(own, small.plan.judging, 0, 50).fly("pd")["capture_time"][0]
     assert np.array_equal(flown, small.entries[2].runs["capture_time"][:50], equal_nan=True)
+
+
+def test_a_watcher_follows_every_stage_to_its_end(scenario: Scenario) -> None:
+    class Noted(Watcher):
+        def __init__(self) -> None:
+            self.stages: dict[str, tuple[int, int]] = {}
+
+        def stage(self, title: str) -> None:
+            self.title = title
+
+        def begin(self, total: int) -> None:
+            self.stages[self.title] = (total, 0)
+
+        def now(self, done: int, fresh: int | None = None, found: object = None) -> None:
+            total, before = self.stages[self.title]
+            assert before <= done <= total
+            self.stages[self.title] = (total, done)
+
+    noted = Noted()
+    compare(scenario, TWINS[1:], Plan(budget=9, starts=8, tunings=1, runs=20, robust=5), watcher=noted)
+    assert [title for title in noted.stages if title.startswith("PD")] == [
+        "PD: tuning 1 of 1",
+        "PD: held-out runs",
+        "PD: robustness",
+    ]
+    assert noted.stages["PD: tuning 1 of 1"] == (9, 9)
+    assert noted.stages["least capture time of every run"] == (20, 20)
 
 
 def test_largest_seed_has_further_searches_too() -> None:

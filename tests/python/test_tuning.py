@@ -21,6 +21,7 @@ from detumble.analysis.tuning.horizon import default_horizon
 from detumble.analysis.tuning.space import space_of
 from detumble.campaigns.runs.draws import drawn_scenario
 from detumble.errors import RequestError, ScenarioError
+from detumble.progress import Watcher
 from detumble.scenario import LAWS, Scenario, from_toml
 from detumble.scenario.faults import validated
 
@@ -157,6 +158,22 @@ def test_tuned_gains_beat_the_papers_on_runs_not_seen(law: str) -> None:
     assert tuned.cost < tuned.initial_cost
     assert after.cost < before.cost
     assert after.success >= 0.95
+
+
+def test_a_watcher_sees_the_generations_and_the_result_holds_its_setting(dispersed: Scenario) -> None:
+    seen: list[object] = []
+
+    class Noted(Watcher):
+        def now(self, done: int, fresh: int | None = None, found: object = None) -> None:
+            assert done == fresh == found.evaluations
+            seen.append(found)
+
+    tuned = tune(dispersed, "pd", seed=2, optimiser_seed=5, watcher=Noted(), **QUICK)
+    assert tuple(seen) == tuned.history
+    assert (tuned.starts, tuned.seed, tuned.optimiser_seed, tuned.evaluations, tuned.horizon) == (12, 2, 5, 40, 40.0)
+    assert tuned.law == "pd"
+    assert tuned.objective == TO_CAPTURE
+    assert tuned.initial.laws.pd.translation == dispersed.laws.pd.translation
 
 
 def test_the_result_is_never_worse_than_what_the_search_began_with(dispersed: Scenario) -> None:
