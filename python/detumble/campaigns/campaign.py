@@ -11,7 +11,7 @@ from collections import deque
 from contextlib import closing, contextmanager
 from pathlib import Path
 from tempfile import mkdtemp
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
@@ -21,9 +21,10 @@ from detumble.campaigns.runs.workers import Threads
 from detumble.campaigns.statistics.statistics import Statistics
 from detumble.campaigns.store.folder import Store
 from detumble.campaigns.store.shard import frame_of
-from detumble.checking import MOST_SEED, flag, met, plain, whole
+from detumble.checking import flag, met, plain, seed_number, thread_count, whole
 from detumble.compiled import check_gains, checked_backend
 from detumble.errors import RequestError
+from detumble.progress import Watcher
 from detumble.scenario.core import case
 from detumble.scenario.files import given
 from detumble.surroundings import check_polars
@@ -38,35 +39,6 @@ if TYPE_CHECKING:
 
 _PATIENCE = 0.1
 """Seconds between two looks at work in progress."""
-
-
-class Watcher(Protocol):
-    """Is told how a campaign gets on."""
-
-    def begin(self, runs: int) -> None:
-        """A campaign of so many runs begins."""
-        ...
-
-    def now(self, done: int, flown: int, statistics: Statistics) -> None:
-        """So many runs are done, of which so many were flown just now; successes are known of those in the statistics."""
-        ...
-
-    def remark(self, text: str) -> None:
-        """Something that a person ought to know."""
-        ...
-
-
-class Unwatched:
-    """Nobody looks."""
-
-    def begin(self, runs: int) -> None:
-        """Say nothing."""
-
-    def now(self, done: int, flown: int, statistics: Statistics) -> None:
-        """Say nothing."""
-
-    def remark(self, text: str) -> None:
-        """Say nothing."""
 
 
 def campaign(
@@ -100,7 +72,7 @@ def campaign(
         until_ci: stop once the half width of the 95 % interval of the success probability is no more than this.
         backend: `portable`, `avx2`, `avx512`; None takes the core's choice. Rows of the last two are the same.
         shard: runs that are flown, written and, after a break, kept as one. Rows do not depend on it.
-        watcher: is told how the campaign gets on.
+        watcher: follows the progress; `found` of `Watcher.now` are the statistics so far.
 
     Returns:
         Statistics, and the runs to be read back.
@@ -115,17 +87,17 @@ def campaign(
     law = scenario.laws.default if law is None else law
     runs, seed, shard = (
         whole("runs", runs, 1, 10**12),
-        whole("seed", seed, 0, MOST_SEED),
+        seed_number("seed", seed),
         whole("shard", shard, 1, 10**6),
     )
-    threads = None if threads is None else whole("threads", threads, 1, 4096)
+    threads = thread_count(threads)
     local_cluster = None if local_cluster is None else whole("local_cluster", local_cluster, 1, 4096)
     until_ci = None if until_ci is None else _half_width(until_ci)
     if sum(given is not None for given in (threads, local_cluster, scheduler)) > 1:
         raise RequestError("threads, scheduler and local_cluster: at most one of them says who flies")
     check_gains(scenario.title, case(scenario, law))
     recipe = Recipe(scenario.to_toml(), law, seed, shard=shard, arithmetic=arithmetic(checked_backend(backend)))
-    watcher = watcher or Unwatched()
+    watcher = watcher or Watcher()
     crew = _crew(threads, scheduler, local_cluster, backend)
     with closing(crew), _folder(out) as folder:
         about = crew.about() | {"machine": platform.machine(), "system": platform.platform()}

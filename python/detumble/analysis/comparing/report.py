@@ -10,7 +10,7 @@ from detumble.analysis.comparing.plan import SPREAD
 from detumble.analysis.comparing.ratios import FUEL_RUNS
 from detumble.analysis.comparing.result import OBJECTIVES, STATISTIC
 from detumble.analysis.tuning.objective import MEANINGS
-from detumble.commands.printing import fixed, table
+from detumble.tables import fixed, table
 
 if TYPE_CHECKING:
     from detumble.analysis.comparing.result import Comparison, Judged, Pair
@@ -23,13 +23,13 @@ METRIC_TITLES = {
     "delta_v_to_capture_m_s": ("Δv to capture", "m/s", 4, 1.0),
     "delta_v_m_s": ("Δv", "m/s", 4, 1.0),
 }
-"""Of a metric of pairs: its name, unit, decimals and factor."""
+"""Title, unit, decimals and factor of each metric of pairs."""
 SHOWN = {"belief": (0.5, 0.7, 1.3, 1.5), "noise": (3.0, 10.0), "control_period_s": (0.2, 0.5, 1.0)}
-"""Changes in the table; the file has them all."""
+"""Deviations in the table; the JSON file has them all."""
 
 
 def text_of(comparison: Comparison) -> str:
-    """Write the tables: who is where, how surely, how far from the bound, how much luck, and who minds what."""
+    """Write the tables: order, statistics, distance from the bound, paired tests, spread of the tunings, robustness."""
     parts = [
         _headline(comparison),
         _standings(comparison),
@@ -83,13 +83,13 @@ def _standings(comparison: Comparison) -> str:
 
 def _notes(comparison: Comparison) -> str:
     lines = [
-        "Times are medians and 95th percentiles of all runs, failed ones never getting there (–); Δv to capture and",
-        "saturation are medians. Entries with a common letter were not told apart.",
+        "Times are medians and 95th percentiles of all runs, failed ones counting as infinite (–); Δv to capture and",
+        "saturation are medians. Entries with a common letter tie.",
     ]
     short = [judged.entry.name for judged in comparison.entries if judged.score.short]
     if short:
-        told = f"Short of the required success, hence ordered by it, after all others: {', '.join(short)}."
-        lines += textwrap.wrap(told, 110)
+        sentence = f"Short of the required success, hence ordered by it, after all others: {', '.join(short)}."
+        lines += textwrap.wrap(sentence, 110)
     return "\n".join(lines)
 
 
@@ -114,7 +114,7 @@ def _ratios(comparison: Comparison) -> str:
 
 
 def _against(comparison: Comparison) -> str:
-    """The first of the order against each of the others, in the objective and in success."""
+    """Compare the first of the order with each of the others, in the objective and in success."""
     order = comparison.ordered
     metric = OBJECTIVES[comparison.plan.objective.what]
     title, unit, decimals, factor = METRIC_TITLES[metric]
@@ -148,7 +148,7 @@ def _against(comparison: Comparison) -> str:
         )
     notes = [
         "p: of better against worse; p of the statistic and of success: of these themselves; all adjusted by Holm over all pairs",
-        "and tests. -inf, +inf: in most runs one of the two alone gets there.",
+        "and tests. -inf, +inf: in most runs only one of the two succeeds.",
     ]
     return "\n".join([table(rows), *notes])
 
@@ -226,7 +226,7 @@ def _counted(number: int, what: str) -> str:
 
 
 def _second_column_left(rows: list[tuple[str, ...]]) -> str:
-    """Write a table whose second column, too, stands to the left."""
+    """Write a table whose second column is aligned to the left too."""
     width = max(len(row[1]) for row in rows)
     return table([(f"{row[0]:>4}  {row[1]:<{width}}", *row[2:]) for row in rows])
 
@@ -236,7 +236,7 @@ def _number(found: Quantile | None, decimals: int, factor: float = 1.0) -> str:
 
 
 def _signed(number: float, decimals: int) -> str:
-    """Write a difference; infinite is where one of the two never gets there as a rule."""
+    """Write a difference; infinite where only one of the two succeeds in most runs."""
     return f"{number:+}" if math.isinf(number) else fixed(number, decimals)
 
 

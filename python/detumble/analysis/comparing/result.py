@@ -1,4 +1,4 @@
-"""What a comparison found: every entry on held-out runs, every pair of them, and the order that this allows."""
+"""Result of a comparison: every entry on held-out runs, every pair of them, and their order."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ METRICS: dict[str, Callable[[Runs], Array]] = {
     "delta_v_to_capture_m_s": lambda runs: runs["delta_v_to_capture"],
     "delta_v_m_s": lambda runs: np.where(runs.succeeded, runs["delta_v"], np.nan),
 }
-"""What pairs are tested for, less being better in all; of Δv only runs count in which both have one."""
+"""Metrics that pairs are tested for, less is better in all; of Δv only runs count in which both entries have one."""
 OBJECTIVES = {
     "capture": "capture_time_s",
     "settling": "settled_time_s",
@@ -43,7 +43,7 @@ OBJECTIVES = {
 }
 """The metric of each objective."""
 PLAN = "plan.json"
-"""Says in the folder what is compared."""
+"""File of the folder that holds what is compared."""
 FIGURES = tuple(f"figures/{name}.png" for name in ("capture-times", "pairs", "robustness"))
 FILES = (PLAN, "comparison.json", "scenario.toml", "tuned/*.toml", *FIGURES)
 """Patterns of what a comparison writes, beside the records of its searches."""
@@ -92,16 +92,16 @@ class Tuning:
 
 @dataclass(frozen=True)
 class Judged:
-    """One entry and what it came to.
+    """One entry and its results.
 
     Attributes:
-        entry: who.
+        entry: law, form and name.
         tunings: all of its sets of gains, in the order of their seeds.
-        chosen: place of the one of the least training cost, which is judged.
-        runs: the held-out runs of that.
-        counted: (n,) what each of them counts for in the objective, in its unit; a failed one for the ceiling.
-        verdict: what they say.
-        score: on all of them.
+        chosen: place of the tuning of least training cost, which is judged.
+        runs: the held-out runs of the chosen tuning.
+        counted: (n,) value of each run in the objective, in its unit; the ceiling for a failed run.
+        verdict: statistics of the runs.
+        score: on all of the runs.
         ratios: `time`, `delta_v`, `settling`: see `ratios`.
         curves: robustness; empty where it was left out.
     """
@@ -171,7 +171,7 @@ def pairs_of(entries: Sequence[Judged], percentile: float | None = None) -> tupl
     """Test every pair of entries for every metric and for the objective's statistic, and adjust the p-values as one family.
 
     Args:
-        entries: who.
+        entries: judged.
         percentile: the statistic; None is the mean.
     """
     couples = list(itertools.combinations(range(len(entries)), 2))
@@ -201,9 +201,9 @@ def ranking_of(entries: Sequence[Judged], pairs: Sequence[Pair], objective: str,
     """Order entries by the rules of `ranking`.
 
     Args:
-        entries: who.
+        entries: judged.
         pairs: of them.
-        objective: what was made small: a key of `OBJECTIVES`.
+        objective: that was minimised: a key of `OBJECTIVES`.
         period: s, of control.
     """
     found = {pair.places: pair for pair in pairs}
@@ -223,7 +223,7 @@ def ranking_of(entries: Sequence[Judged], pairs: Sequence[Pair], objective: str,
 
 @dataclass(frozen=True)
 class Comparison:
-    """All that a comparison found.
+    """Result of a comparison.
 
     Attributes:
         scenario: that was given.
@@ -249,7 +249,7 @@ class Comparison:
 
     @property
     def broken(self) -> list[str]:
-        """Say which runs beat a bound that nothing can beat; empty, as long as nothing is wrong."""
+        """Runs that beat a bound which no controller can beat, in words; empty as long as bounds and core are right."""
         return [
             f"{judged.entry.name}: run {ratio.broken[0]} of seed {self.plan.held_out} beats its {name} bound"
             + (f", and {len(ratio.broken) - 1} more do" if len(ratio.broken) > 1 else "")

@@ -10,8 +10,8 @@ from detumble.scenario.faults import validated
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from detumble.analysis.tuning.flights import Setting
     from detumble.analysis.tuning.objective import Objective
+    from detumble.analysis.tuning.setting import Setting
     from detumble.analysis.tuning.space import Space
     from detumble.scenario.model import Scenario
 

@@ -21,7 +21,7 @@ from detumble.campaigns.store.rows import (
     cause,
     drawn_names,
 )
-from detumble.checking import met, plain
+from detumble.checking import whole
 from detumble.compiled import core
 from detumble.errors import RequestError, ScenarioError
 from detumble.scenario.core import case
@@ -158,7 +158,4 @@ def checked_index(index: int, runs: int) -> int:
     Raises:
         RequestError: it has no such run.
     """
-    number = plain(index)
-    if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < runs:
-        raise RequestError(f"run {met(index)}: the campaign has runs 0 to {runs - 1}")
-    return number
+    return whole("run", index, 0, runs - 1, f"the campaign has runs 0 to {runs - 1}")
