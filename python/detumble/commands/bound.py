@@ -14,7 +14,7 @@ from detumble.errors import RequestError
 
 if TYPE_CHECKING:
     from detumble.analysis.bounds.bound import Bounds
-    from detumble.analysis.bounds.tumble import Array
+    from detumble.quaternions import Array
     from detumble.scenario.model import Scenario
 
 

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
     from typing import Self
 
-    from detumble.analysis.bounds.tumble import Array
     from detumble.analysis.trials import Trials
+    from detumble.quaternions import Array
 
 CHASE = (
     "start.",
