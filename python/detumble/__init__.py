@@ -11,6 +11,7 @@ Everything is loaded when it is first used: `import detumble` costs next to noth
 from __future__ import annotations
 
 from detumble import surroundings as _surroundings  # noqa: F401  # watches for forks from now on
+from detumble.version import __version__
 
 TYPE_CHECKING = False  # as type checkers know it; importing it from typing would cost more than all the rest
 
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from detumble.recorded import replay_wrench
     from detumble.scenario import LAWS, Scenario, load
     from detumble.scenario import built_in as scenarios
-
-__version__ = "0.1.0"
 
 _HOMES = {
     "Bounds": ("detumble.analysis.bounds.bound", "Bounds"),

@@ -14,7 +14,6 @@ import numpy as np
 import xarray as xr
 from pydantic import TypeAdapter
 
-from detumble import __version__
 from detumble.checking import MOST_SEED, choice, whole
 from detumble.errors import RequestError, ScenarioError
 from detumble.metrics import METRICS, Metrics
@@ -23,6 +22,7 @@ from detumble.scenario.laws import LAWS
 from detumble.scenario.model import MOST_PERIODS
 from detumble.surroundings import check_dask
 from detumble.variables import AXES, COMPONENTS, VARIABLES
+from detumble.version import __version__
 from detumble.writing import named_file, reason, write_bytes
 
 if TYPE_CHECKING:

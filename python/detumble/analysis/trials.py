@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from detumble.campaigns.runs.draws import draw
 from detumble.campaigns.runs.overlay import overlay
-from detumble.campaigns.runs.workers import available_threads
 from detumble.campaigns.store.rows import SUCCESS
 from detumble.compiled import core
 from detumble.errors import ScenarioError
 from detumble.scenario.core import case, ticks
 from detumble.scenario.faults import validated
+from detumble.surroundings import available_threads
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

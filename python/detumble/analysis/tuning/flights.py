@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from detumble import __version__
 from detumble.analysis.trials import Trials
 from detumble.analysis.tuning.gains import mean_acceleration
 from detumble.analysis.tuning.horizon import default_horizon
 from detumble.campaigns.runs.recipe import arithmetic
 from detumble.checking import MOST_SEED, real, wholes
+from detumble.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

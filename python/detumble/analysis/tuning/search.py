@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from detumble.show.drawing import load_matplotlib
+from detumble.matplotlib_setup import load_matplotlib
 
 Array = NDArray[np.float64]
 Evaluate = Callable[[Array], Array]

@@ -18,6 +18,7 @@ from detumble.campaigns.runs.recipe import Recipe
 from detumble.checking import instance
 from detumble.errors import RequestError
 from detumble.surroundings import check_dask
+from detumble.version import __version__
 from detumble.writing import reason
 
 if TYPE_CHECKING:
@@ -218,10 +219,6 @@ def fly_shard(recipe: dict[str, Any], first: int, count: int, backend: str | Non
     Raises:
         RequestError: this worker's rows would be others.
     """
-    import detumble
-
-    if detumble.__version__ != recipe["version"]:
-        raise RequestError(
-            f"a worker has detumble {detumble.__version__}, the campaign {recipe['version']}: runs might differ"
-        )
+    if __version__ != recipe["version"]:
+        raise RequestError(f"a worker has detumble {__version__}, the campaign {recipe['version']}: runs might differ")
     return fly_runs(Recipe(**recipe), first, count, backend=backend)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Protocol
 
 from detumble.campaigns.runs.flying import Flown, fly_runs
+from detumble.surroundings import available_threads
 
 if TYPE_CHECKING:
     from detumble.campaigns.runs.recipe import Recipe
@@ -99,8 +99,3 @@ class Threads:
         """Break off what is still flying."""
         self._stopping = True
         self._pool.shutdown(wait=True, cancel_futures=True)
-
-
-def available_threads() -> int:
-    """Count the processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

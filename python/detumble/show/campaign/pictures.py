@@ -17,7 +17,7 @@ from detumble.checking import texts
 from detumble.errors import RequestError
 from detumble.results import results_folder
 from detumble.scenario.dispersions.fitting import fields
-from detumble.scenario.wording import did_you_mean, pretty
+from detumble.scenario.wording import pretty
 from detumble.show.campaign import (
     Caption,
     Trace,
@@ -28,6 +28,7 @@ from detumble.show.campaign import (
     sensitivity,
     success_map,
 )
+from detumble.text import did_you_mean
 from detumble.writing import output_folder
 
 if TYPE_CHECKING:
