@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
-from detumble.campaigns.store.rows import NO_GAINS, cause
 from detumble.checking import MOST_SEED, whole
 from detumble.compiled import checked_backend, core
 from detumble.errors import ScenarioError
+from detumble.failures import NO_GAINS, cause
 from detumble.metrics import Metrics
 from detumble.scenario.accuracy import coarse_step, most_asymmetric
 from detumble.scenario.core import case

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
-    from detumble.campaigns.statistics.statistics import Statistics
+    from detumble.campaigns.statistics.running import Statistics
 
 
 class Line:

@@ -86,7 +86,7 @@ def run(
 def _again(replay: str, backend: str | None) -> Flight:
     """Fly the run DIR:INDEX of a campaign."""
     from detumble.campaigns.runs.flying import checked_index, fly_again
-    from detumble.campaigns.store.folder import Store
+    from detumble.campaigns.store.campaign_folder import Store
 
     directory, colon, index = replay.rpartition(":")
     if not (colon and directory and index.isdecimal()):

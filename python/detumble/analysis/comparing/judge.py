@@ -16,10 +16,10 @@ import numpy as np
 
 from detumble.analysis.comparing.paired import quantile
 from detumble.analysis.trials import Change, Results, Trials
-from detumble.campaigns.runs.recipe import SHARD
+from detumble.campaigns.recipe import SHARD
 from detumble.campaigns.statistics.intervals import Proportion, jsonable
 from detumble.campaigns.statistics.summaries import Quantile
-from detumble.campaigns.store.rows import SUCCESS, cause
+from detumble.failures import SUCCESS, cause
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -49,7 +49,7 @@ class Runs:
     """What the runs of one entry came to, run by run from the first on.
 
     Attributes:
-        failure: (n,) the core's code of why a run failed, see `campaigns.store.rows`.
+        failure: (n,) the core's code of why a run failed, see `detumble.failures`.
         columns: by name of the core's summary, see `KEPT`: (n,) SI, NaN where it did not happen.
     """
 

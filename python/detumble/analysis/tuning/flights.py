@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from detumble.analysis.trials import Trials
 from detumble.analysis.tuning.gains import mean_acceleration
 from detumble.analysis.tuning.horizon import default_horizon
-from detumble.campaigns.runs.recipe import arithmetic
+from detumble.campaigns.recipe import arithmetic
 from detumble.checking import MOST_SEED, real, wholes
 from detumble.version import __version__
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from detumble.campaigns.store.rows import COMPONENTS, INDEX, RESULTS
+from detumble.campaigns.columns import COMPONENTS, INDEX, RESULTS
 from detumble.quaternions import conjugate, multiply, rotation_vector
 
 if TYPE_CHECKING:

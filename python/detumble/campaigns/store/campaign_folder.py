@@ -21,8 +21,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import polars as pl
 
+from detumble.campaigns.columns import INDEX
 from detumble.campaigns.store.manifest import FORMAT, MANIFEST, Manifest, differences, read_manifest
-from detumble.campaigns.store.rows import INDEX
 from detumble.campaigns.store.shard import Damage, decode, encode, rows_in
 from detumble.errors import RequestError
 from detumble.locking import Lock
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
-    from detumble.campaigns.runs.recipe import Recipe
+    from detumble.campaigns.recipe import Recipe
 
 
 _MOST_BYTES = 2**33
