@@ -24,10 +24,11 @@ if TYPE_CHECKING:
     from detumble.campaigns.campaign import campaign
     from detumble.campaigns.result import CampaignResult, read_campaign
     from detumble.errors import RequestError, ScenarioError
-    from detumble.flight import Flight, read_netcdf, simulate
+    from detumble.flight import Flight, read_netcdf
     from detumble.recorded import replay_wrench
     from detumble.scenario import LAWS, Scenario, load
     from detumble.scenario import built_in as scenarios
+    from detumble.simulation import simulate
 
 _HOMES = {
     "Bounds": ("detumble.analysis.bounds.bound", "Bounds"),
@@ -45,7 +46,7 @@ _HOMES = {
     "read_netcdf": ("detumble.flight", "read_netcdf"),
     "replay_wrench": ("detumble.recorded", "replay_wrench"),
     "scenarios": ("detumble.scenario.files", "built_in"),
-    "simulate": ("detumble.flight", "simulate"),
+    "simulate": ("detumble.simulation", "simulate"),
     "tune": ("detumble.analysis.tuning.tuner", "tune"),
 }
 

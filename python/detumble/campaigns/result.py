@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 from detumble.campaigns.statistics.running import Statistics
 from detumble.campaigns.store.campaign_folder import Store
 from detumble.errors import RequestError
-from detumble.flight import INSIDE, cut_off
 from detumble.scenario.accuracy import coarse_step
 from detumble.scenario.hints import warnings
+from detumble.simulation import INSIDE, cut_off
 
 if TYPE_CHECKING:
     import os

@@ -46,8 +46,8 @@ def bound(
 ) -> None:
     """Bound what any controller could do: the fastest capture, the least Δv, the least time to detumble."""
     from detumble.analysis.bounds.bound import bound as bounds_of
-    from detumble.flight import INSIDE
     from detumble.results import results_folder
+    from detumble.simulation import INSIDE
     from detumble.surroundings import check_polars
 
     if out:

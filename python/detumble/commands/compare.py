@@ -65,8 +65,8 @@ def compare(
     from detumble.analysis.comparing.report import text_of
     from detumble.analysis.comparing.result import FIGURES, FILES
     from detumble.analysis.tuning import Objective
-    from detumble.flight import INSIDE
     from detumble.results import results_folder
+    from detumble.simulation import INSIDE
 
     if resume and out is None:
         raise RequestError("--resume: needs --out, the folder to go on with")

@@ -49,8 +49,8 @@ def run(
 ) -> None:
     """Fly one scenario once and say what came of it."""
     from detumble import recorded
-    from detumble.flight import simulate
     from detumble.results import results_folder
+    from detumble.simulation import simulate
 
     changes = [*(settings or ()), *(more or ())]
     if sum(given is not None for given in (scenario, replay, replay_wrench)) != 1:

@@ -138,7 +138,7 @@ def _single(
     from detumble.analysis.tuning import tune as search
     from detumble.checking import whole
     from detumble.commands.progress import SearchProgress
-    from detumble.flight import INSIDE
+    from detumble.simulation import INSIDE
 
     objective = Objective(**what)
     runs = whole("held_out", runs, 0, 10**9)

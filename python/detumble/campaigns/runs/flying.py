@@ -99,7 +99,7 @@ def fly_again(recipe: Recipe, index: int, *, backend: str | None = None) -> Flig
         ScenarioError: the scenario cannot be flown.
         RequestError: rows of this back end differ in their last bits from the campaign's.
     """
-    from detumble.flight import flown
+    from detumble.simulation import flown
 
     backend = suitable(recipe, backend)
     scenario = recipe.parsed
