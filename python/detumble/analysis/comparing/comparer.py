@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
     from detumble.analysis.comparing.entries import Entry
     from detumble.analysis.comparing.robustness import Curve
-    from detumble.campaigns.statistics.intervals import Array
+    from detumble.intervals import Array
 
 
 def compare(

@@ -17,9 +17,9 @@ import numpy as np
 from detumble.analysis.comparing.paired import quantile
 from detumble.analysis.trials import Change, Results, Trials
 from detumble.campaigns.recipe import SHARD
-from detumble.campaigns.statistics.intervals import Proportion, jsonable
 from detumble.campaigns.statistics.summaries import Quantile
 from detumble.failures import SUCCESS, cause
+from detumble.intervals import Proportion, jsonable
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from detumble.analysis.tuning.objective import Until
-    from detumble.campaigns.statistics.intervals import Array
+    from detumble.intervals import Array
     from detumble.scenario.model import Scenario
 
 KEPT = (

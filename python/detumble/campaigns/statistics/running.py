@@ -14,17 +14,17 @@ import polars as pl
 from detumble.campaigns.columns import SCALARS
 from detumble.campaigns.statistics.convergence import Convergence, Prefixes
 from detumble.campaigns.statistics.histograms import Histogram, LogHistogram, TickHistogram
-from detumble.campaigns.statistics.intervals import Proportion
 from detumble.campaigns.statistics.summaries import Ecdf, Summary
 from detumble.checking import choice
 from detumble.failures import CAUSES, DIVERGED, NO_GAINS, cause
+from detumble.intervals import Proportion
 from detumble.scenario.accuracy import inaccurate
 from detumble.scenario.step import integration_step, worst_body
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from detumble.campaigns.statistics.intervals import Array
+    from detumble.intervals import Array
     from detumble.scenario.model import Scenario
 
 TIMES = ("capture_time_s", "settling_time_s", "settled_time_s")
