@@ -14,12 +14,14 @@
 //! | momentum | \|I ω\| of the stack about its centre of mass, ω against N |
 
 use crate::batch_struct;
-use crate::case::Motion;
-use crate::closed_loop::{Flight, Observer, Tick, guide};
+use crate::closed_loop::guide;
+use crate::flight::Flight;
 use crate::gnc::error::TrackingError;
 use crate::number::{Mask, Real, Vec3};
+use crate::observer::{Observer, Tick};
 use crate::plan::{End, Plan};
-use crate::plant::propagate::Wrench;
+use crate::plant::motion::Motion;
+use crate::plant::wrench::Wrench;
 use crate::scene::Scene;
 
 const NEVER: f64 = f64::INFINITY;

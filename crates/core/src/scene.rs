@@ -2,9 +2,9 @@
 
 use crate::batch::Batch;
 use crate::batch_struct;
-use crate::case::{Case, FlightRecipe, Motion};
+use crate::case::{Case, FlightRecipe};
 use crate::clock::Clock;
-use crate::closed_loop::Flight;
+use crate::flight::Flight;
 use crate::gnc::capture::{CaptureState, CaptureTest, SettledTest};
 use crate::gnc::guidance::{self, Goal, GraspPoints, Target};
 use crate::gnc::laws::{Law, LawRecipe, MassProperties, Phase, Segment, Setting};
@@ -12,11 +12,14 @@ use crate::hardware::sensors::Noisy;
 use crate::number::{Mask, Quat, Real, Vec3};
 use crate::plan::Plan;
 use crate::plant::attitude::Inertia;
+use crate::plant::body::Vehicle;
 use crate::plant::lvlh::Lvlh;
+use crate::plant::motion::Motion;
 use crate::plant::orbit::HeldStep;
-use crate::plant::propagate::{Shapes, Surroundings, Vehicle, Wrench, WrenchFrame};
+use crate::plant::propagate::{Shapes, Surroundings};
 use crate::plant::stack::Transition;
 use crate::plant::top::{FreeTop, is_symmetric_top};
+use crate::plant::wrench::{Wrench, WrenchFrame};
 use std::sync::Arc;
 
 batch_struct! {

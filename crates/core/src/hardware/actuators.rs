@@ -2,9 +2,32 @@
 //!
 //! Assumptions: no delay, no minimum impulse, no dead zone; limits per axis, symmetric.
 
-use crate::case::Limits;
+use crate::case_struct;
 use crate::number::{Real, Vec3};
-use crate::plant::propagate::Wrench;
+use crate::plant::wrench::Wrench;
+
+case_struct! {
+    /// Limits per axis, may be infinite; and what is really given of what is asked for.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+    pub struct Limits<R> {
+        /// \[N\]
+        pub force: Vec3<R>,
+        /// \[N m\]
+        pub torque: Vec3<R>,
+        /// Force given per force commanded.
+        pub force_gain: Vec3<R>,
+        /// Torque given per torque commanded.
+        pub torque_gain: Vec3<R>,
+    }
+}
+
+impl Limits<f64> {
+    /// Limits of actuators that give what is asked for.
+    pub fn exact(force: Vec3<f64>, torque: Vec3<f64>) -> Self {
+        let one = Vec3([1.0; 3]);
+        Self { force, torque, force_gain: one, torque_gain: one }
+    }
+}
 
 /// What becomes of a demand over the limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

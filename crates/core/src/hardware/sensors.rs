@@ -7,8 +7,24 @@
 //! Assumptions: the debris' attitude and rate are seen without noise; no bias, no delay.
 //! Each quantity has random numbers of its own, so switching one sensor's noise off leaves the others' draws as they were.
 
-use crate::case::{Motion, NoiseSigmas};
+use crate::case_struct;
 use crate::number::{Quat, Real, Stream, Vec3};
+use crate::plant::motion::Motion;
+
+case_struct! {
+    /// Standard deviations per axis of white Gaussian noise, drawn anew at every control tick.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+    pub struct NoiseSigmas<R> {
+        /// Relative position \[m\].
+        pub position: R,
+        /// Relative velocity \[m/s\].
+        pub velocity: R,
+        /// Chaser attitude, small angle \[rad\].
+        pub attitude: R,
+        /// Chaser rate \[rad/s\].
+        pub rate: R,
+    }
+}
 
 /// Which sensors are noisy in at least one flight of the batch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -6,6 +6,7 @@
 //! Translation demands a force in H, rotation a torque in C. A law sees navigation output only, and the mass and
 //! inertia it believes in. Source of the five laws: Eng. Proc. 2026, 121(1), 25, §3, lost signs restored.
 
+pub mod belief;
 pub mod feedback;
 pub mod lqr;
 pub mod pd;
@@ -18,12 +19,13 @@ pub mod surface;
 pub mod tsmc;
 
 use crate::batch::Fields;
-use crate::case::Motion;
 use crate::gnc::error::TrackingError;
-use crate::number::{Mat3, Real, Vec3};
+use crate::number::{Real, Vec3};
+use crate::plant::motion::Motion;
 use crate::plant::orbit::natural_acceleration;
-use crate::plant::propagate::{Wrench, WrenchFrame};
+use crate::plant::wrench::{Wrench, WrenchFrame};
 use crate::{batch_enum, batch_struct, batch_uniform};
+pub use belief::{MassProperties, StackBelief};
 pub use feedback::LinearFeedback;
 pub use sliding::SlidingMode;
 
@@ -70,16 +72,6 @@ pub enum SurfaceRate {
     Exact,
 }
 
-/// What the laws believe of the stack.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum StackBelief {
-    /// The design: mass and inertia that the case gives.
-    Design,
-    /// Its true mass and inertia at capture.
-    True,
-}
-
 /// Before capture a law flies the chaser against the debris; after it, the stack against H.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
@@ -87,16 +79,6 @@ pub enum Phase {
     BeforeCapture,
     /// One.
     AfterCapture,
-}
-
-batch_struct! {
-    /// What a law believes of the body it flies.
-    pub struct MassProperties<R> {
-        /// \[kg\]
-        pub mass: R,
-        /// C axes \[kg m²\].
-        pub inertia: Mat3<R>,
-    }
 }
 
 /// One channel's errors: `error` is e_r or the attitude error, `rate` is e_v or e_ω, `error_rate` the exact d(error)/dt.

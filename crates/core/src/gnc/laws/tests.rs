@@ -2,6 +2,7 @@
 //! SPEC, with errors chosen so that each step is short.
 
 use super::*;
+use crate::number::Mat3;
 use crate::number::Quat;
 use crate::tests::{Dice, assert_near};
 
