@@ -85,7 +85,9 @@ def test_every_figure_is_written_as_png_and_svg_and_nothing_else(flights: dict[s
 def test_the_same_flights_give_the_same_bytes(flights: dict[str, Flight], tmp_path: Path) -> None:
     one = {"prrl": flights["prrl"]}
     with styled():
-        for (name, first), second in zip(figures.build(one, 3.0).items(), figures.build(one, 3.0).values(), strict=True):
+        for (name, first), second in zip(
+            figures.build(one, 3.0).items(), figures.build(one, 3.0).values(), strict=True
+        ):
             files = [
                 save(figure, [tmp_path / f"{name}{kind}"])[0] for kind, figure in (("a.svg", first), ("b.svg", second))
             ]
