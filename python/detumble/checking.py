@@ -13,6 +13,7 @@ from numbers import Integral, Real
 from typing import Any, TypeVar
 
 from detumble.errors import RequestError
+from detumble.text import did_you_mean
 
 MOST_SEED = 2**64 - 1
 
@@ -143,8 +144,6 @@ def choice(name: str, value: Any, choices: Iterable[str], more: Mapping[str, str
     Raises:
         RequestError: the value is none of them; the message suggests a similar one.
     """
-    from detumble.scenario.wording import did_you_mean
-
     known = list(choices)
     if not isinstance(value, str) or value not in (*known, *more):
         hint = did_you_mean(value, (*known, *more)) if isinstance(value, str) else ""

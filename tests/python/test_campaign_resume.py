@@ -18,8 +18,8 @@ import pytest
 import detumble
 from campaign_folders import child, flip, needs_a_disk_of_its_own, on_a_disk_of_its_own
 from detumble.campaigns.result import CampaignResult, read_campaign
-from detumble.campaigns.statistics.statistics import Statistics
-from detumble.campaigns.store.folder import Store
+from detumble.campaigns.statistics.running import Statistics
+from detumble.campaigns.store.campaign_folder import Store
 from detumble.errors import RequestError
 from detumble.progress import Watcher
 from detumble.scenario import with_settings

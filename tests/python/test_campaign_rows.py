@@ -12,11 +12,11 @@ from typing import Any
 import pytest
 
 import detumble
+from detumble.campaigns.recipe import Recipe
 from detumble.campaigns.result import CampaignResult
 from detumble.campaigns.runs.cluster import fly_shard
 from detumble.campaigns.runs.flying import fly_runs
-from detumble.campaigns.runs.recipe import Recipe
-from detumble.campaigns.statistics.statistics import Statistics
+from detumble.campaigns.statistics.running import Statistics
 from detumble.campaigns.store.shard import digest, frame_of
 from detumble.compiled import core
 from detumble.errors import RequestError

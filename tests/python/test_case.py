@@ -10,9 +10,9 @@ import pytest
 
 from detumble.compiled import core
 from detumble.errors import RequestError, ScenarioError
-from detumble.flight import simulate
 from detumble.scenario import LAWS, Scenario, load, with_settings
 from detumble.scenario.core import case, ticks
+from detumble.simulation import simulate
 
 DATA = Path(__file__).parents[1] / "data"
 FILES = ["paper", *sorted((DATA / "scenarios").glob("*.toml"))]

@@ -15,7 +15,7 @@ from detumble.analysis.comparing.paired import Difference, Shift, holm, quantile
 from detumble.analysis.comparing.ranking import Score, rank
 from detumble.analysis.comparing.ratios import Ratio
 from detumble.analysis.comparing.result import Judged, pairs_of, ranking_of
-from detumble.campaigns.statistics.intervals import Proportion
+from detumble.intervals import Proportion
 from detumble.scenario.laws import LAWS
 
 PERIOD = 0.1

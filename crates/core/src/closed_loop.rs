@@ -9,7 +9,7 @@ use crate::gnc::allocation;
 use crate::gnc::capture::Judged;
 use crate::gnc::error::TrackingError;
 use crate::gnc::guidance::{self, StackGoal, Target};
-use crate::gnc::laws::{Law, LawInput, StackBelief};
+use crate::gnc::laws::{Law, LawInput, Seen, StackBelief};
 use crate::gnc::navigation::{self, Estimate};
 use crate::hardware::sensors::Sensed;
 use crate::number::{Mask, Quat, Real, Stream, Vec3};
@@ -185,7 +185,13 @@ fn command<R: Real>(
 ) -> (Wrench<R>, WrenchFrame) {
     match (&flight.law, &mut flight.memory.law) {
         (Some(law), Some(memory)) => {
-            let input = LawInput::new(estimate, goal, scene.numbers.case.orbit.mean_motion, &scene.plan);
+            let input = LawInput {
+                seen: Seen::new(estimate, goal),
+                mean_motion: scene.numbers.case.orbit.mean_motion,
+                feedforward: scene.plan.goal.feeds_acceleration().then_some(goal.acceleration),
+                attitude_error: scene.plan.attitude_error,
+                period: R::splat(scene.plan.control_period),
+            };
             (law.step(memory, input), WrenchFrame::Command)
         }
         _ => scene.open_loop(number),

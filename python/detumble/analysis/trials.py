@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from detumble.campaigns.runs.draws import draw
 from detumble.campaigns.runs.overlay import overlay
-from detumble.campaigns.runs.workers import available_threads
-from detumble.campaigns.store.rows import SUCCESS
 from detumble.compiled import core
 from detumble.errors import ScenarioError
+from detumble.failures import SUCCESS
 from detumble.scenario.core import case, ticks
 from detumble.scenario.faults import validated
+from detumble.surroundings import available_threads
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -52,7 +52,7 @@ class Results:
     """Results of a trial; every array is (candidates, runs).
 
     Attributes:
-        failure: the core's code of why a run failed, see `campaigns.store.rows`; 0 is a success.
+        failure: the core's code of why a run failed, see `detumble.failures`; 0 is a success.
         columns: the core's summary, by its name there: `capture_time`, `delta_v`, …; NaN where the event did not happen.
     """
 

@@ -15,7 +15,7 @@ from detumble.tables import fixed, table
 
 if TYPE_CHECKING:
     from detumble.analysis.bounds.bound import Bounds
-    from detumble.analysis.bounds.tumble import Array
+    from detumble.quaternions import Array
     from detumble.scenario.model import Scenario
 
 
@@ -43,8 +43,8 @@ def bound(
 ) -> None:
     """Bound what any controller could do: the fastest capture, the least Δv, the least time to detumble."""
     from detumble.analysis.bounds.bound import bound as bounds_of
-    from detumble.flight import INSIDE
     from detumble.results import results_folder
+    from detumble.simulation import INSIDE
     from detumble.surroundings import check_polars
 
     if out:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from pathlib import Path
     from typing import Any
 
-    from detumble.analysis.bounds.tumble import Array
+    from detumble.quaternions import Array
     from detumble.scenario.model import Scenario
 
 QUANTILES = (("min", 0.0), ("p05", 0.05), ("p50", 0.5), ("p95", 0.95), ("max", 1.0))

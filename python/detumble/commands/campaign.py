@@ -25,7 +25,7 @@ from detumble.tables import fixed, table
 
 if TYPE_CHECKING:
     from detumble.campaigns.result import CampaignResult
-    from detumble.campaigns.statistics.statistics import Statistics
+    from detumble.campaigns.statistics.running import Statistics
     from detumble.scenario.model import Scenario
 
 FILES = ("summary.json", *FIGURES)
@@ -131,8 +131,8 @@ def _runs(asked: int | None, until_ci: float | None, resumed: Path | None) -> in
 
 def _check_figures(scenario: Scenario, over: tuple[str, ...]) -> None:
     """Check, before anything is flown, that the figures can be drawn."""
+    from detumble.campaigns.pictures import check_map
     from detumble.campaigns.statistics.sensitivity import pawn
-    from detumble.show.campaign.pictures import check_map
 
     check_map(scenario, over)
     if scenario.dispersions:

@@ -67,8 +67,8 @@ def compare(
     from detumble.analysis.comparing.result import FIGURES, FILES
     from detumble.analysis.tuning import Objective
     from detumble.commands.progress import Line
-    from detumble.flight import INSIDE
     from detumble.results import results_folder
+    from detumble.simulation import INSIDE
 
     if resume and out is None:
         raise RequestError("--resume: needs --out, the folder to go on with")

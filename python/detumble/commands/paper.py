@@ -25,10 +25,10 @@ def paper(
 ) -> None:
     """Fly the paper's case under its five laws and compare."""
     from detumble.analysis.bounds.earliest import minimum_capture_time
-    from detumble.flight import simulate
     from detumble.results import results_folder
     from detumble.scenario.files import load
     from detumble.scenario.paper import PUBLISHED_CAPTURE_TIMES
+    from detumble.simulation import simulate
 
     scenario = load(SCENARIO)
     with results_folder(out, FILES):

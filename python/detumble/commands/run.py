@@ -43,8 +43,8 @@ def run(
 ) -> None:
     """Fly one scenario once and say what came of it."""
     from detumble import recorded
-    from detumble.flight import simulate
     from detumble.results import results_folder
+    from detumble.simulation import simulate
 
     if sum(given is not None for given in (scenario, replay, replay_wrench)) != 1:
         raise RequestError("run: needs one of a scenario, --replay DIR:INDEX and --replay-wrench FLIGHT.nc")
@@ -75,7 +75,7 @@ def run(
 def _again(replay: str, backend: str | None) -> Flight:
     """Fly the run DIR:INDEX of a campaign."""
     from detumble.campaigns.runs.flying import checked_index, fly_again
-    from detumble.campaigns.store.folder import Store
+    from detumble.campaigns.store.campaign_folder import Store
 
     directory, colon, index = replay.rpartition(":")
     if not (colon and directory and index.isdecimal()):

@@ -149,7 +149,7 @@ def _single(
     from detumble.analysis.tuning import Objective, held_out
     from detumble.analysis.tuning import tune as search
     from detumble.commands.progress import Line
-    from detumble.flight import INSIDE
+    from detumble.simulation import INSIDE
 
     objective = Objective(**judged)
     with Line(out, "candidates", _best(objective.unit)) as line:

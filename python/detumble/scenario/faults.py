@@ -17,7 +17,8 @@ from detumble.scenario.dispersions import DISTRIBUTIONS
 from detumble.scenario.hints import unknown_key
 from detumble.scenario.quantity import Quantity
 from detumble.scenario.section import Section
-from detumble.scenario.wording import did_you_mean, pretty, shown
+from detumble.scenario.wording import pretty, shown
+from detumble.text import did_you_mean
 
 if TYPE_CHECKING:
     from pydantic.fields import FieldInfo

@@ -14,7 +14,7 @@ from detumble.checking import instance, met, texts
 from detumble.errors import Fault, RequestError, ScenarioError
 from detumble.scenario.faults import is_text, section_at, validated
 from detumble.scenario.model import Scenario
-from detumble.scenario.wording import did_you_mean
+from detumble.text import did_you_mean
 from detumble.writing import named_file, read_bytes, reason, write_text
 
 if TYPE_CHECKING:

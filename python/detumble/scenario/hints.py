@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from detumble.checking import plain
 from detumble.scenario import physics
 from detumble.scenario.laws import LAWS, TsmcExponents
-from detumble.scenario.wording import did_you_mean, pretty, shown
+from detumble.scenario.wording import pretty, shown
+from detumble.text import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from detumble import __version__
 from detumble.analysis.bounds.runs import capture_bounds, delta_v_bounds, settling_bounds
 from detumble.analysis.comparing.entries import check_entries, entries_of
 from detumble.analysis.comparing.judge import Runs, Verdict, fly
@@ -39,6 +38,7 @@ from detumble.scenario.core import case
 from detumble.scenario.files import given
 from detumble.scenario.laws import LAWS
 from detumble.scenario.model import Scenario
+from detumble.version import __version__
 from detumble.writing import named_folder, output_folder, read_bytes, write_text
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
     from detumble.analysis.comparing.entries import Entry
     from detumble.analysis.comparing.robustness import Curve
-    from detumble.campaigns.statistics.intervals import Array
+    from detumble.intervals import Array
 
 
 def compare(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, cast
 from detumble.checking import choice, instance, texts
 from detumble.errors import RequestError
 from detumble.scenario.laws import LAWS, TITLES
-from detumble.scenario.wording import did_you_mean
+from detumble.text import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -16,10 +16,10 @@ import numpy as np
 
 from detumble.analysis.comparing.paired import quantile
 from detumble.analysis.trials import Change, Results, Trials
-from detumble.campaigns.runs.recipe import SHARD
-from detumble.campaigns.statistics.intervals import Proportion, jsonable
+from detumble.campaigns.recipe import SHARD
 from detumble.campaigns.statistics.summaries import Quantile
-from detumble.campaigns.store.rows import SUCCESS, cause
+from detumble.failures import SUCCESS, cause
+from detumble.intervals import Proportion, jsonable
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from detumble.analysis.tuning.objective import Until
-    from detumble.campaigns.statistics.intervals import Array
+    from detumble.intervals import Array
     from detumble.scenario.model import Scenario
 
 KEPT = (
@@ -49,7 +49,7 @@ class Runs:
     """Results of one entry, run by run from the first on.
 
     Attributes:
-        failure: (n,) the core's code of why a run failed, see `campaigns.store.rows`.
+        failure: (n,) the core's code of why a run failed, see `detumble.failures`.
         columns: by name of the core's summary, see `KEPT`: (n,) SI, NaN where the event did not happen.
     """
 

@@ -30,13 +30,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from detumble.campaigns.statistics.intervals import jsonable, quantile_ranks
 from detumble.campaigns.statistics.summaries import Quantile
+from detumble.intervals import jsonable, quantile_ranks
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from detumble.campaigns.statistics.intervals import Array
+    from detumble.intervals import Array
 
 ROUND_OFF = 1e-9
 """Relative: sums of times that are the same number of control periods differ in their last bits."""

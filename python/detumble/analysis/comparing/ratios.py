@@ -20,7 +20,7 @@ import numpy as np
 from detumble.analysis.comparing.judge import Figures
 
 if TYPE_CHECKING:
-    from detumble.campaigns.statistics.intervals import Array
+    from detumble.intervals import Array
 
 ROUND_OFF = 1e-9
 """Relative: times are sums of periods."""

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from detumble.analysis.comparing.plan import Plan
     from detumble.analysis.comparing.ratios import Ratio
     from detumble.analysis.comparing.robustness import Curve
-    from detumble.campaigns.statistics.intervals import Array
+    from detumble.intervals import Array
     from detumble.scenario.model import Scenario
 
 METRICS: dict[str, Callable[[Runs], Array]] = {

@@ -20,7 +20,7 @@ from detumble.analysis.bounds.pursuit import Pursuit, start_of
 from detumble.analysis.trials import Trials
 
 if TYPE_CHECKING:
-    from detumble.analysis.bounds.tumble import Array
+    from detumble.quaternions import Array
     from detumble.scenario.model import Scenario
 
 STARTS = 32

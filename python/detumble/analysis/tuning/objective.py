@@ -27,9 +27,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from detumble.campaigns.store.rows import DIVERGED, DWELL_MISSED, NEVER_CAPTURED, NO_GAINS, NOT_SETTLED
 from detumble.checking import choice, real
 from detumble.errors import RequestError
+from detumble.failures import DIVERGED, DWELL_MISSED, NEVER_CAPTURED, NO_GAINS, NOT_SETTLED
 
 if TYPE_CHECKING:
     from detumble.analysis.trials import Results

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from detumble import __version__
 from detumble.scenario.faults import validated
+from detumble.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -11,7 +11,7 @@ from detumble import __version__
 from detumble.analysis.tuning.horizon import default_horizon
 from detumble.analysis.tuning.provenance import told
 from detumble.analysis.tuning.space import space_of
-from detumble.campaigns.runs.recipe import arithmetic
+from detumble.campaigns.recipe import arithmetic
 from detumble.checking import real, seed_number, whole
 from detumble.compiled import check_gains
 from detumble.scenario.core import case

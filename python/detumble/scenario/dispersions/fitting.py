@@ -14,7 +14,8 @@ from detumble.scenario.dispersions.numbers import Elementwise
 from detumble.scenario.faults import Unread, quantity_of, section_at, section_of
 from detumble.scenario.quantity import Quantity
 from detumble.scenario.section import Section
-from detumble.scenario.wording import did_you_mean, pretty, shown
+from detumble.scenario.wording import pretty, shown
+from detumble.text import did_you_mean
 
 At = Callable[[str], Any]
 """Gives the value of a field by its path, None where it is absent; Unread where the file's value is at fault."""

@@ -25,7 +25,6 @@ use crate::gnc::navigation::Estimate;
 use crate::hardware::actuators::Applied;
 use crate::number::{Real, Vec3};
 use crate::part::Part;
-use crate::plan::Plan;
 use crate::plant::orbit::natural_acceleration;
 use crate::plant::wrench::Wrench;
 use crate::{batch_enum, batch_struct, batch_uniform};
@@ -170,11 +169,26 @@ impl<R: Real> LawMemory<R> {
     }
 }
 
-/// What a law sees at a control tick. It is made of an estimate: no law sees the truth.
+/// What a law sees of the motion. It is made of an estimate: no law sees the truth.
 #[derive(Clone, Copy, Debug)]
-pub struct LawInput<'a, R> {
+pub struct Seen<'a, R> {
     estimate: &'a Estimate<R>,
     error: TrackingError<R>,
+}
+
+impl<'a, R: Real> Seen<'a, R> {
+    /// An estimate against its goal.
+    #[inline(always)]
+    pub fn new(estimate: &'a Estimate<R>, goal: &Target<R>) -> Self {
+        Self { estimate, error: TrackingError::between(&estimate.motion, goal) }
+    }
+}
+
+/// What a law is given at a control tick.
+#[derive(Clone, Copy, Debug)]
+pub struct LawInput<'a, R> {
+    /// Estimate and errors.
+    pub seen: Seen<'a, R>,
     /// n \[rad/s\].
     pub mean_motion: R,
     /// a_des to feed forward \[m/s²\]; `None` when off.
@@ -183,21 +197,6 @@ pub struct LawInput<'a, R> {
     pub attitude_error: AttitudeError,
     /// Control period \[s\].
     pub period: R,
-}
-
-impl<'a, R: Real> LawInput<'a, R> {
-    /// The errors of an estimate against its goal.
-    #[inline(always)]
-    pub fn new(estimate: &'a Estimate<R>, goal: &Target<R>, mean_motion: R, plan: &Plan) -> Self {
-        Self {
-            estimate,
-            error: TrackingError::between(&estimate.motion, goal),
-            mean_motion,
-            feedforward: plan.goal.feeds_acceleration().then_some(goal.acceleration),
-            attitude_error: plan.attitude_error,
-            period: R::splat(plan.control_period),
-        }
-    }
 }
 
 impl<R: Real> Part<R> for Law<R> {
@@ -235,7 +234,7 @@ impl<R: Real> Channel<R> {
 impl<R: Real> Law<R> {
     #[inline(always)]
     fn force(&self, memory: &mut ChannelMemory<R>, input: &LawInput<'_, R>) -> Vec3<R> {
-        let (error, motion) = (&input.error, &input.estimate.motion);
+        let (error, motion) = (&input.seen.error, &input.seen.estimate.motion);
         let errors = ChannelError { error: error.position, rate: error.velocity, error_rate: error.velocity };
         let mass = self.believed.mass;
         let force = match &self.translation {
@@ -256,10 +255,10 @@ impl<R: Real> Law<R> {
 
     #[inline(always)]
     fn torque(&self, memory: &mut ChannelMemory<R>, input: &LawInput<'_, R>) -> Vec3<R> {
-        let error = &input.error;
+        let error = &input.seen.error;
         let factor = R::splat(input.attitude_error.factor());
         let vector = error.attitude.vector();
-        let rate = input.estimate.motion.chaser_rate;
+        let rate = input.seen.estimate.motion.chaser_rate;
         match &self.rotation {
             Channel::Linear(linear) => linear.demand(vector * factor, linear.damped_rate(rate, error.rate)),
             Channel::Sliding(sliding) => {

@@ -50,8 +50,7 @@ fn command(recipe: &LawRecipe, phase: Phase, setting: &Setting, error: &Tracking
     let believed = if phase == Phase::BeforeCapture { BEFORE } else { AFTER };
     let law = recipe.build(phase, &believed, setting).unwrap();
     let input = LawInput {
-        estimate: &Estimate { motion: motion() },
-        error: *error,
+        seen: Seen { estimate: &Estimate { motion: motion() }, error: *error },
         mean_motion: setting.mean_motion,
         feedforward: None,
         attitude_error: setting.attitude_error,
@@ -118,7 +117,13 @@ fn lqr_has_its_known_answers_where_the_axes_are_apart() {
         let law = LawRecipe::Lqr(both(form, translation, rotation)).build(phase, ball, &setting).unwrap();
         let estimate = Estimate { motion: motion() };
         let (error, feedforward) = (error(), None);
-        let input = LawInput { estimate: &estimate, error, mean_motion: 0.0, feedforward, attitude_error, period: 0.1 };
+        let input = LawInput {
+            seen: Seen { estimate: &estimate, error },
+            mean_motion: 0.0,
+            feedforward,
+            attitude_error,
+            period: 0.1,
+        };
         law.step(&mut law.begin(), input)
     };
     // K x = (0.04 + 0.01, -0.02 - 0.005, 0.01 + 0.015), times the mass.
@@ -314,8 +319,7 @@ fn feedforward_adds_mass_times_the_goals_acceleration_to_every_law() {
         let estimate = Estimate { motion: motion() };
         let attitude_error = AttitudeError::Epsilon;
         let input = |feedforward| LawInput {
-            estimate: &estimate,
-            error: error(),
+            seen: Seen { estimate: &estimate, error: error() },
             mean_motion: 0.01,
             feedforward,
             attitude_error,
