@@ -18,8 +18,9 @@ from detumble.analysis.bounds.earliest import minimum_capture_time
 from detumble.analysis.bounds.runs import capture_bounds, delta_v_bounds, settling_bounds
 from detumble.analysis.comparing import Comparison, Entry, Plan, compare, comparer
 from detumble.analysis.comparing.judge import Verdict, fly
+from detumble.analysis.comparing.judged import Judged
+from detumble.analysis.comparing.pairs import OBJECTIVES, pairs_of
 from detumble.analysis.comparing.ranking import Score
-from detumble.analysis.comparing.result import OBJECTIVES, Judged, pairs_of
 from detumble.analysis.comparing.robustness import sweeps_of
 from detumble.analysis.trials import Trials
 from detumble.analysis.tuning import Objective
@@ -31,7 +32,6 @@ from detumble.errors import RequestError
 from detumble.progress import Watcher
 from detumble.scenario import Scenario, with_settings
 from detumble.scenario.core import axes
-from detumble.show.compare.times import times_over_least
 
 TWINS = (Entry("One", "prrl", "printed"), Entry("Other", "prrl", "printed"), Entry("PD", "pd", "corrected"))
 SMALL = Plan(budget=20, starts=16, tunings=2, runs=200, robust=20)
@@ -294,7 +294,7 @@ def test_runs_that_begin_captured_are_drawn_as_soon_as_any_controller_could(scen
     judged = compare(wide, TWINS[:2], Plan(as_given=True, runs=60, robust=0)).entries[0]
     begun = judged.runs.capture_time == 0.0
     assert 0 < judged.ratios["time"].free < 60
-    drawn = times_over_least(judged)
+    drawn = judged.times_over_least
     assert np.all(drawn[begun] == 1.0)
     assert np.all(drawn >= 1.0)
     assert np.array_equal(np.isinf(drawn), ~judged.runs.succeeded)

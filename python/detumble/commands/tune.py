@@ -231,7 +231,6 @@ def _headline(result: SearchResult, what: str) -> str:
 
 def _text(tuned: Tuned, judged: tuple[Worth, Worth] | None, runs: int, seed: int) -> str:
     from detumble.analysis.tuning.gains import gains_in
-    from detumble.analysis.tuning.objective import MEANINGS
 
     law, objective = tuned.law, tuned.objective
     units = {tunable.path: tunable.unit for tunable in gains_in(law, tuned.initial.to_dict()["laws"][law])}
@@ -256,17 +255,16 @@ def _text(tuned: Tuned, judged: tuple[Worth, Worth] | None, runs: int, seed: int
         worth.append(row(f"held out, {runs} runs of seed {seed}", before, after))
     rate = tuned.evaluations / max(tuned.seconds, 1e-9)
     done = f"{tuned.evaluations} candidates in {tuned.seconds:.1f} s ({rate:.0f}/s)"
-    return "\n\n".join([_headline(tuned, MEANINGS[objective.what]), table(gains), table(worth), done])
+    return "\n\n".join([_headline(tuned, objective.meaning), table(gains), table(worth), done])
 
 
 def _front_text(front: Front) -> str:
-    from detumble.analysis.tuning.objective import MEANINGS
 
     rows = [("point", "time s", "Δv m/s", "success %")]
     for place in front.spread(12):
         point = front.points[place]
         rows.append((str(place + 1), fixed(point.time, 2), fixed(point.delta_v, 4), fixed(100 * point.success, 1)))
-    what = f"{MEANINGS[front.objective.what]} against Δv to capture"
+    what = f"{front.objective.meaning} against Δv to capture"
     done = f"{len(front.points)} points from {front.evaluations} candidates in {front.seconds:.1f} s"
     return "\n\n".join([_headline(front, what), table(rows), done])
 

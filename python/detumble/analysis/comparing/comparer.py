@@ -19,10 +19,12 @@ import numpy as np
 from detumble.analysis.bounds.runs import capture_bounds, delta_v_bounds, settling_bounds
 from detumble.analysis.comparing.entries import check_entries, entries_of
 from detumble.analysis.comparing.judge import Runs, Verdict, fly
+from detumble.analysis.comparing.judged import Judged, Tuning
+from detumble.analysis.comparing.pairs import pairs_of, ranking_of
 from detumble.analysis.comparing.plan import RECORDS, SPREAD, Plan
 from detumble.analysis.comparing.ranking import Score
 from detumble.analysis.comparing.ratios import FUEL_RUNS, Ratio
-from detumble.analysis.comparing.result import FILES, PLAN, Comparison, Judged, Tuning, pairs_of, ranking_of
+from detumble.analysis.comparing.result import FILES, PLAN, Comparison
 from detumble.analysis.comparing.robustness import flights, robustness, sweeps_of
 from detumble.analysis.trials import Trials
 from detumble.analysis.tuning import tune

@@ -6,24 +6,17 @@ import math
 import textwrap
 from typing import TYPE_CHECKING
 
+from detumble.analysis.comparing.pairs import METRICS, OBJECTIVES, STATISTIC
 from detumble.analysis.comparing.plan import SPREAD
 from detumble.analysis.comparing.ratios import FUEL_RUNS
-from detumble.analysis.comparing.result import OBJECTIVES, STATISTIC
-from detumble.analysis.tuning.objective import MEANINGS
 from detumble.tables import fixed, table
 
 if TYPE_CHECKING:
-    from detumble.analysis.comparing.result import Comparison, Judged, Pair
+    from detumble.analysis.comparing.judged import Judged
+    from detumble.analysis.comparing.pairs import Pair
+    from detumble.analysis.comparing.result import Comparison
     from detumble.campaigns.statistics.summaries import Quantile
 
-METRIC_TITLES = {
-    "failed": ("share of runs that fail", "%", 2, 100.0),
-    "capture_time_s": ("capture time", "s", 2, 1.0),
-    "settled_time_s": ("time until settled", "s", 2, 1.0),
-    "delta_v_to_capture_m_s": ("Δv to capture", "m/s", 4, 1.0),
-    "delta_v_m_s": ("Δv", "m/s", 4, 1.0),
-}
-"""Title, unit, decimals and factor of each metric of pairs."""
 SHOWN = {"belief": (0.5, 0.7, 1.3, 1.5), "noise": (3.0, 10.0), "control_period_s": (0.2, 0.5, 1.0)}
 """Deviations in the table; the JSON file has them all."""
 
@@ -49,7 +42,9 @@ def _headline(comparison: Comparison) -> str:
     budget, starts = _counted(plan.budget, "evaluation"), _counted(plan.starts, "start")
     searched = f"{_counted(plan.tunings, 'tuning')} each of {budget} on {starts} of seed {plan.seed}"
     how = f"{'gains as given' if plan.as_given else searched}, horizon {plan.horizon:.4g} s"
-    goal = f"{plan.objective.statistic} of {MEANINGS[plan.objective.what]}, success at least {100 * plan.objective.required:g} %"
+    goal = (
+        f"{plan.objective.statistic} of {plan.objective.meaning}, success at least {100 * plan.objective.required:g} %"
+    )
     return f"{comparison.scenario.title}\n{goal}; {how}\njudged on {_counted(plan.runs, 'run')} of seed {plan.judging}"
 
 
@@ -116,13 +111,13 @@ def _ratios(comparison: Comparison) -> str:
 def _against(comparison: Comparison) -> str:
     """Compare the first of the order with each of the others, in the objective and in success."""
     order = comparison.ordered
-    metric = OBJECTIVES[comparison.plan.objective.what]
-    title, unit, decimals, factor = METRIC_TITLES[metric]
+    name = OBJECTIVES[comparison.plan.objective.what]
+    metric = METRICS[name]
     first = comparison.entries[order[0]].entry.name
     rows: list[tuple[str, ...]] = [
         (
             f"{first} against",
-            f"{title}: median difference {unit}",
+            f"{metric.title}: median difference {metric.unit}",
             "95 % interval",
             "better / worse in runs",
             "p",
@@ -132,16 +127,16 @@ def _against(comparison: Comparison) -> str:
     ]
     for place in order[1:]:
         pair = comparison.pair(order[0], place)
-        difference, sign = pair.differences[metric], 1.0 if pair.places[0] == order[0] else -1.0
+        difference, sign = pair.differences[name], 1.0 if pair.places[0] == order[0] else -1.0
         counts = (difference.lower, difference.higher)
         better, worse = counts if sign > 0 else counts[::-1]
         rows.append(
             (
                 comparison.entries[place].entry.name,
-                _signed(sign * factor * difference.median.value, decimals) if difference.median else "–",
-                _between(pair, metric, sign * factor, decimals),
+                _signed(sign * metric.factor * difference.median.value, metric.decimals) if difference.median else "–",
+                _between(pair, name, sign * metric.factor, metric.decimals),
                 f"{better} / {worse}",
-                _p(pair.adjusted[metric]),
+                _p(pair.adjusted[name]),
                 _p(pair.adjusted[STATISTIC]),
                 _p(pair.adjusted["failed"]),
             )

@@ -99,6 +99,11 @@ class Objective:
         return "mean" if self.percentile is None else f"p{self.percentile:g}"
 
     @property
+    def meaning(self) -> str:
+        """What is minimised, in words."""
+        return MEANINGS[self.what]
+
+    @property
     def unit(self) -> str:
         """s or m/s."""
         return "m/s" if self.what.startswith("delta_v") else "s"
