@@ -55,12 +55,13 @@ test: setup ## every test, Rust and Python
 	cargo test --workspace --exclude detumble-python --locked --quiet
 	$(PY) -m pytest -n auto --maxprocesses 4 --dist worksteal
 
-lint: setup ## formatting, lints and types
+lint: setup ## formatting, lints, types and the order of imports
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked --quiet -- -D warnings
 	.venv/bin/ruff check $(PYTHON_SOURCES)
 	.venv/bin/ruff format --check $(PYTHON_SOURCES)
 	.venv/bin/mypy
+	.venv/bin/lint-imports --no-cache --no-logo
 
 format: setup ## put all sources in the project's format
 	cargo fmt --all

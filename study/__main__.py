@@ -13,11 +13,11 @@ from pathlib import Path
 
 import detumble
 from detumble.analysis.comparing.comparer import compare
-from detumble.analysis.comparing.entries import Entry
+from detumble.analysis.comparing.entries import FORMS, Entry
 from detumble.analysis.comparing.plan import Plan
 from detumble.analysis.tuning.objective import Objective
-from detumble.commands.compare import Stages
 from detumble.commands.printing import json_text
+from detumble.commands.progress import Line
 from detumble.scenario.files import load
 from detumble.scenario.laws import LAWS
 from detumble.writing import output_folder, write_text
@@ -33,7 +33,7 @@ SHOWN = ("capture_time_s", "settling_time_s", "delta_v_to_capture_m_s", "torque_
 
 @dataclass(frozen=True)
 class Size:
-    """How much is flown."""
+    """Number of evaluations, starts and runs of each part."""
 
     budget: int = 400
     starts: int = 128
@@ -53,16 +53,16 @@ class Size:
 
 
 SMALL = Size(30, 8, 2, 200, 50, 30, 8, 20, 200, 40, 50, 30, 16, 3, 20)
-"""To see that everything runs; its numbers mean nothing."""
+"""A trial of the whole study; its numbers mean nothing."""
 
 
 def main() -> None:
-    """Fly, draw, write."""
+    """Make all parts and write the page."""
     arguments = argparse.ArgumentParser(prog="python -m study", description=__doc__)
-    arguments.add_argument("--small", action="store_true", help="see that everything runs; the numbers mean nothing")
+    arguments.add_argument("--small", action="store_true", help="a trial of the whole study; the numbers mean nothing")
     arguments.add_argument("--page", type=Path, default=PAGE, help="folder of the page")
     arguments.add_argument(
-        "--work", type=Path, default=WORK, help="folder of the comparisons; those in it are gone on with"
+        "--work", type=Path, default=WORK, help="folder of the comparisons; those in it are continued"
     )
     given = arguments.parse_args()
     with output_folder(given.page), output_folder(given.work):
@@ -83,7 +83,7 @@ def made(size: Size, page: Path, work: Path) -> Numbers:
         work: folder of the comparisons.
 
     Returns:
-        What the page's tables are made of.
+        Numbers for the tables of the page.
     """
     numbers: Numbers = {"about": {"version": detumble.__version__, "processors": os.cpu_count(), "seconds": {}}}
     for case in CASES:
@@ -102,7 +102,7 @@ def made(size: Size, page: Path, work: Path) -> Numbers:
         fronts.draw(found, CASES, page / "fronts.png")
     tuned = {law: load(work / "dispersed" / "tuned" / f"{Entry.of(law, 'printed').file}.toml") for law in LAWS}
     with _part(numbers, "maps") as found:
-        for form in fronts.FORMS:
+        for form in FORMS:
             found[form] = maps.fly(maps.tuned(form, size.field, size.field_starts), size.cells, size.cell_runs)
             maps.draw(found[form], f"{form} forms", page / f"maps-{form}.png")
     with _part(numbers, "reach") as found:
@@ -130,7 +130,7 @@ def _part(numbers: Numbers, *names: str) -> Iterator[Numbers]:
 
 
 def _compared(case: Case, size: Size, page: Path, work: Path) -> Numbers:
-    """Compare all laws; figures and tuned scenarios go to the page, what its tables need into the numbers."""
+    """Compare all laws; figures and tuned scenarios go to the folder of the page."""
     plan = Plan(
         objective=Objective(case.objective),
         budget=size.budget,
@@ -139,8 +139,8 @@ def _compared(case: Case, size: Size, page: Path, work: Path) -> Numbers:
         runs=size.runs,
         robust=size.robust,
     )
-    with Stages(work) as stages:
-        result = compare(case.scenario, plan=plan, out=work, resume=work.exists(), watcher=stages)
+    with Line(work) as line:
+        result = compare(case.scenario, plan=plan, out=work, resume=work.exists(), watcher=line)
     if result.broken:
         raise SystemExit("\n".join(result.broken))
     for figure in result.figures(work / "figures"):

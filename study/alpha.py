@@ -1,7 +1,7 @@
 """The effect of α alone: PRRL-SMC with equal gains and any α, and with equal budgets and α held.
 
 Exact reaching time from s0 at equal gain: |s0|^(1-α)/(K (1-α)) (SPEC of the law), so "closer to 0 is faster" holds only while
-|s| < 1 and only at equal K. What a user gets from α is the best it does with its own best gains.
+|s| < 1 and only at equal K. What counts for a user is each α with its own best gains.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from study.judging import judged
 
 ALPHAS = (0.1, 0.3, 0.5, 0.7, 0.9)
 TUNINGS = (1, 2, 3)
-"""Seeds of the search: one may be lucky."""
+"""Seeds of the searches; several show the spread."""
 
 
 def fly(scenario: Scenario, budget: int, starts: int, runs: int) -> dict[str, Any]:

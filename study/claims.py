@@ -61,7 +61,7 @@ def _above(comparison: Numbers, one: str, other: str) -> bool:
 
 
 def _where(held: dict[str, bool], yes: str, no: str) -> str:
-    """Put into words in which cases something holds."""
+    """Say in words in which cases something holds."""
     places = [case.title for case in CASES if held[case.key]]
     if len(places) == len(held):
         return yes
@@ -69,7 +69,7 @@ def _where(held: dict[str, bool], yes: str, no: str) -> str:
 
 
 def _objectives(comparison: Numbers) -> str:
-    """What the printed entries were tuned for, in the mean of held-out runs; of those that succeed too seldom, that."""
+    """Objective of each printed entry on held-out runs, in words; or that it succeeds too seldom."""
 
     def worded(entry: Numbers) -> str:
         if entry["short_of_required"]:

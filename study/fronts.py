@@ -1,4 +1,4 @@
-"""What Δv a sooner capture costs each law: the compromises that its gains allow, equal budgets."""
+"""Pareto fronts of time against Δv for each law, with equal budgets."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+from detumble.analysis.comparing.entries import FORMS
 from detumble.analysis.tuning.pareto import pareto_front
 from detumble.scenario.laws import LAWS, Form
 from detumble.show.style import look, new_figure, save, styled
@@ -15,7 +16,6 @@ from study.cases import Case
 
 SEED = 0
 LABELS = {"capture": "mean capture time [s]", "settling": "mean time until settled [s]"}
-FORMS: tuple[Form, ...] = ("printed", "corrected")
 
 
 def search(case: Case, budget: int, starts: int) -> dict[str, Any]:

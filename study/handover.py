@@ -1,7 +1,7 @@
-"""What the change of inertia at capture does to each law: settling under the paper's transition and under physics.
+"""Effect of the change of inertia at capture on each law: settling under the paper's transition and under conserved momentum.
 
 `approximate` is the paper's: the stack keeps the chaser's state, the matrices add up. `momentum_conserving` is rigid and
-inelastic. A law believes the plain sum of both matrices, or is told what the stack truly is.
+inelastic. A law believes the plain sum of both matrices, or the true inertia of the stack.
 """
 
 from __future__ import annotations

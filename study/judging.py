@@ -1,4 +1,4 @@
-"""How the gains of the smaller parts of the study are judged: on runs of a seed that no search has seen."""
+"""Judging gains in the smaller parts of the study: on runs of a seed that no search has used."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How much of a ranking is the search's: the two best as printed, dispersed case, five times the budget."""
+"""Effect of the search budget on the ranking: the two best laws as printed, dispersed case, five times the budget."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from study.judging import judged
 
 LAWS = ("tsmc", "prrl")
 SEEDS = (11, 12, 13)
-"""Of the search; the starts are those of the comparison."""
+"""Seeds of the searches; the starts are those of the comparison."""
 
 
 def fly(scenario: Scenario, budget: int, starts: int, runs: int) -> dict[str, Any]:

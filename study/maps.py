@@ -25,13 +25,13 @@ from study.cases import on_spheres, with_laws_of
 
 SEED, HELD_OUT = 23, 24
 DISTANCES, RATES = (0.6, 30.0), (math.radians(0.5), math.radians(60.0))
-"""Of the map: m, rad/s."""
+"""Axes of the map: least and greatest, m and rad/s."""
 BOUNDED = 24
-"""Runs of a cell whose bound is computed; the median of the ratio is of these."""
+"""Number of runs of a cell whose bound is computed; the ratio is a median over them."""
 HORIZON = 300.0
-"""s"""
+"""Longest flight, s."""
 REQUIRED = 0.5
-"""Share that must capture: no torque follows the fastest tumbles."""
+"""Share of starts that must capture: no torque follows the fastest tumbles."""
 
 
 def tuned(form: Form, budget: int, starts: int) -> dict[str, Scenario]:

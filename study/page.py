@@ -117,4 +117,4 @@ TABLES: dict[str, Callable[[Numbers], str]] = {
     "longer": _longer,
     "effort": _effort,
 }
-"""By name: each takes the numbers."""
+"""Tables of the page by name, each made from the numbers."""

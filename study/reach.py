@@ -1,4 +1,4 @@
-"""From where a capture by 7.6 s is possible at all: no law, only limits and thresholds.
+"""Starts from which a capture by 7.6 s is possible under any law: only limits and thresholds count.
 
 The debris does not turn and the attitudes agree, so only translation counts; starts in 200 directions about the goal.
 """
@@ -24,7 +24,7 @@ SEED = 5
 CLOSING = (0.0, 0.02, 0.05, 0.1)
 """Speeds towards the goal at the start, m/s."""
 DISTANCES = np.linspace(0.5, 2.0, 31)
-"""From the goal, m."""
+"""Distances from the goal, m."""
 
 
 def fly() -> dict[str, Any]:

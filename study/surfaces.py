@@ -17,7 +17,7 @@ from detumble.scenario.faults import validated
 from detumble.show.style import new_figure, save, styled
 
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4)
-"""m"""
+"""Errors whose time is reported, m."""
 _DURATION = 600.0
 
 

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 import detumble
-from detumble.campaigns.runs.recipe import Recipe
-from detumble.campaigns.store.folder import Store
-from detumble.campaigns.store.rows import CAUSES
+from detumble.campaigns.recipe import Recipe
+from detumble.campaigns.store.campaign_folder import Store
 from detumble.campaigns.store.shard import frame_of
+from detumble.failures import CAUSES
 
 ROWS = 100
 """In a shard."""

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from detumble.campaigns.store.rows import END_TIME, FAILURE, INDEX, SCALARS, SUCCEEDED
+from detumble.campaigns.columns import END_TIME, FAILURE, INDEX, SCALARS, SUCCEEDED
 from detumble.metrics import METRICS
 from detumble.scenario import Scenario
 from detumble.scenario.wording import number, pretty

@@ -11,6 +11,7 @@ Everything is loaded when it is first used: `import detumble` costs next to noth
 from __future__ import annotations
 
 from detumble import surroundings as _surroundings  # noqa: F401  # watches for forks from now on
+from detumble.version import __version__
 
 TYPE_CHECKING = False  # as type checkers know it; importing it from typing would cost more than all the rest
 
@@ -23,12 +24,11 @@ if TYPE_CHECKING:
     from detumble.campaigns.campaign import campaign
     from detumble.campaigns.result import CampaignResult, read_campaign
     from detumble.errors import RequestError, ScenarioError
-    from detumble.flight import Flight, read_netcdf, simulate
+    from detumble.flight import Flight, read_netcdf
     from detumble.recorded import replay_wrench
     from detumble.scenario import LAWS, Scenario, load
     from detumble.scenario import built_in as scenarios
-
-__version__ = "0.1.0"
+    from detumble.simulation import simulate
 
 _HOMES = {
     "Bounds": ("detumble.analysis.bounds.bound", "Bounds"),
@@ -46,7 +46,7 @@ _HOMES = {
     "read_netcdf": ("detumble.flight", "read_netcdf"),
     "replay_wrench": ("detumble.recorded", "replay_wrench"),
     "scenarios": ("detumble.scenario.files", "built_in"),
-    "simulate": ("detumble.flight", "simulate"),
+    "simulate": ("detumble.simulation", "simulate"),
     "tune": ("detumble.analysis.tuning.tuner", "tune"),
 }
 

@@ -1,4 +1,4 @@
-"""What counts as a number, in every public call and every scenario field: one door.
+"""Checks of arguments: what counts as a number, in every public call and every scenario field.
 
 Python's and numpy's numbers count, decimals too, and arrays and sequences of them, xarray's and pandas' own among them. Booleans,
 text, bytes, times and numbers that carry another unit do not.
@@ -13,6 +13,7 @@ from numbers import Integral, Real
 from typing import Any, TypeVar
 
 from detumble.errors import RequestError
+from detumble.text import did_you_mean
 
 MOST_SEED = 2**64 - 1
 
@@ -53,20 +54,21 @@ def unit_of(value: Any) -> str:
     return "" if carried is None or callable(carried) or str(carried) in ("1", "dimensionless") else str(carried)
 
 
-def whole(name: str, value: Any, least: int, most: int) -> int:
+def whole(name: str, value: Any, least: int, most: int, allowed: str = "") -> int:
     """Read a whole number.
 
     Args:
         name: of the argument.
         value: what was given.
         least, most: ends of the range, both allowed.
+        allowed: what the message says is allowed; empty for the range.
 
     Raises:
-        RequestError: it is none, or lies outside.
+        RequestError: the value is no whole number, or lies outside the range.
     """
     number = plain(value)
     if isinstance(number, bool) or not isinstance(number, int) or not least <= number <= most:
-        raise RequestError(f"{name} {met(value)}: must be a whole number from {least} to {most}")
+        raise RequestError(f"{name} {met(value)}: {allowed or f'must be a whole number from {least} to {most}'}")
     return number
 
 
@@ -91,10 +93,10 @@ def real(
         below: upper bound, excluded.
         most: upper bound, allowed.
         unit: for the message.
-        what: the number is, for the message.
+        what: name of the quantity, for the message.
 
     Raises:
-        RequestError: it is none, or lies outside.
+        RequestError: the value is no finite number, carries another unit, or lies outside the bounds.
     """
     number = plain(value)
     if isinstance(number, int) and abs(number) > 10**300:
@@ -112,14 +114,22 @@ def real(
     return float(number)
 
 
-def wholes(owner: object, **ranges: tuple[int, int]) -> None:
-    """Read attributes of a frozen object that are whole numbers, each with the least and the most it may be.
+def seed_number(name: str, value: Any) -> int:
+    """Read a seed, 0 to 2^64 - 1.
 
     Raises:
-        RequestError: naming the first that is none, or lies outside.
+        RequestError: the value is no such number.
     """
-    for name, (least, most) in ranges.items():
-        object.__setattr__(owner, name, whole(name, getattr(owner, name), least, most))
+    return whole(name, value, 0, MOST_SEED)
+
+
+def thread_count(value: Any) -> int | None:
+    """Read the argument `threads`: a whole number, or None for all processors.
+
+    Raises:
+        RequestError: the value is neither.
+    """
+    return None if value is None else whole("threads", value, 1, 4096)
 
 
 def choice(name: str, value: Any, choices: Iterable[str], more: Mapping[str, str] = {}) -> str:  # only read
@@ -129,13 +139,11 @@ def choice(name: str, value: Any, choices: Iterable[str], more: Mapping[str, str
         name: of the argument.
         value: what was given.
         choices: that are allowed.
-        more: further ones, and what each is for.
+        more: further words that are allowed, and what each is for.
 
     Raises:
-        RequestError: it is none of them; a near one is suggested.
+        RequestError: the value is none of them; the message suggests a similar one.
     """
-    from detumble.scenario.wording import did_you_mean
-
     known = list(choices)
     if not isinstance(value, str) or value not in (*known, *more):
         hint = did_you_mean(value, (*known, *more)) if isinstance(value, str) else ""
@@ -150,7 +158,7 @@ Kind = TypeVar("Kind")
 
 
 def instance(name: str, value: object, kind: type[Kind], wanted: str) -> Kind:
-    """Make sure that an argument is of a type.
+    """Check the type of an argument.
 
     Args:
         name: of the argument.
@@ -159,7 +167,7 @@ def instance(name: str, value: object, kind: type[Kind], wanted: str) -> Kind:
         wanted: what is allowed, in words.
 
     Raises:
-        RequestError: it is of another.
+        RequestError: the argument is of another type.
     """
     if not isinstance(value, kind):
         raise RequestError(f"{name} {met(value)}: must be {wanted}")
@@ -170,7 +178,7 @@ def flag(name: str, value: object) -> bool:
     """Read true or false.
 
     Raises:
-        RequestError: it is neither.
+        RequestError: the value is neither.
     """
     return instance(name, plain(value), bool, "true or false")
 
@@ -179,7 +187,7 @@ def texts(name: str, values: object) -> list[str]:
     """Read a list of texts; one text alone is not taken for a list of its letters.
 
     Raises:
-        RequestError: it is none.
+        RequestError: the value is no such list.
     """
     wanted = "a list of texts"
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):
@@ -188,6 +196,6 @@ def texts(name: str, values: object) -> list[str]:
 
 
 def met(value: Any) -> str:
-    """Write what was met, as Python would, shortened to fit a line."""
+    """Write a value that is refused as Python would, shortened to fit a line."""
     text = " ".join(repr(plain(value)).split())
     return text if len(text) <= 72 else text[:69] + "..."

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from detumble.checking import instance
 from detumble.errors import RequestError, ScenarioError
-from detumble.scenario.wording import did_you_mean
+from detumble.text import did_you_mean
 
 if TYPE_CHECKING:
     from types import ModuleType

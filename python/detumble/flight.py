@@ -1,35 +1,31 @@
-"""One simulated flight: what happened, tick by tick, what it amounts to, and how to fly it again."""
+"""One flight: what happened, tick by tick, what it amounts to, and how to fly it again."""
 
 from __future__ import annotations
 
-import math
+import json
 import os
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
-from detumble.campaigns.store.rows import NO_GAINS, cause
-from detumble.checking import MOST_SEED, whole
-from detumble.compiled import checked_backend, core
-from detumble.errors import ScenarioError
-from detumble.metrics import Metrics
-from detumble.scenario.accuracy import coarse_step, most_asymmetric
-from detumble.scenario.core import case
-from detumble.scenario.files import given
-from detumble.scenario.hints import far_away, warnings
-from detumble.scenario.model import Scenario
-from detumble.scenario.step import flown_exactly, integration_step
+from detumble.checking import MOST_SEED, choice, whole
+from detumble.errors import RequestError, ScenarioError
+from detumble.metrics import METRICS, Metrics
+from detumble.scenario.files import from_toml
+from detumble.scenario.laws import LAWS
+from detumble.scenario.step import integration_step
+from detumble.version import __version__
+from detumble.writing import named_file
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Mapping
 
     import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
 
-HOPELESS_TURN = 0.5
-"""A flight that diverges after a larger turn in an integration step, rad, does so for that reason."""
-INSIDE = "the start is already inside every threshold: captured at t = 0"
+    from detumble.scenario.model import Scenario
+
 BROKEN_OFF = {"diverged": "diverged", "no_gains": "broken off"}
 """Events with which a flight ends before its time, and what a warning calls them."""
 
@@ -82,7 +78,7 @@ class Flight:
         """The time series as an xarray Dataset over `time`, with units and long names."""
         from detumble.netcdf import dataset
 
-        return dataset(self)
+        return dataset(self.history, self._attributes())
 
     @property
     def integration_step(self) -> float:
@@ -91,7 +87,7 @@ class Flight:
 
     @property
     def diverged(self) -> bool:
-        """Tell whether the state left the numbers."""
+        """Tell whether the state became non-finite."""
         return self.metrics.diverged_time is not None
 
     @property
@@ -114,93 +110,24 @@ class Flight:
         """
         from detumble.netcdf import write
 
-        write(self, path)
+        write(self.data, path)
 
-
-def simulate(
-    scenario: Scenario | str | os.PathLike[str],
-    law: str | None = None,
-    seed: int = 0,
-    *,
-    index: int = 0,
-    backend: str | None = None,
-) -> Flight:
-    """Fly a scenario once.
-
-    Args:
-        scenario: a scenario, or what `load` takes.
-        law: one of `LAWS`, or `none` for open loop; None is the only one with gains here, else `prrl`.
-        seed: of the sensor noise, 0 to 2^64 - 1.
-        index: number of the trajectory under that seed: each has its own noise.
-        backend: `portable`, `avx2`, `avx512`; None takes the core's choice. Noise does not depend on it.
-
-    Returns:
-        The flight; one that diverged is a flight too.
-
-    Raises:
-        ScenarioError: the scenario cannot be flown.
-        RequestError: law, seed or back end cannot be used.
-    """
-    scenario = given(scenario)
-    law = scenario.laws.default if law is None else law
-    seed, index = whole("seed", seed, 0, MOST_SEED), whole("index", index, 0, MOST_SEED)
-    return flown(scenario, law, seed, index, backend, case(scenario, law))
-
-
-def flown(
-    scenario: Scenario,
-    law: str,
-    seed: int,
-    index: int,
-    backend: str | None,
-    numbers: dict[str, Any],
-    differing: list[str] | None = None,
-) -> Flight:
-    """Fly the core's numbers of a scenario once.
-
-    Args:
-        scenario: what the flight will tell that it flew.
-        law: its law.
-        seed: of the sensor noise.
-        index: number of the trajectory under that seed.
-        backend: as in `simulate`.
-        numbers: as `case` gives them.
-        differing: paths of the numbers in which flights of its campaign differ.
-
-    Raises:
-        ScenarioError: the scenario cannot be flown.
-        RequestError: there is no such back end.
-    """
-    checked = checked_backend(backend)
-    try:
-        record = core().fly(numbers, seed, index, checked, differing)
-    except ValueError as error:
-        raise ScenarioError(scenario.title, problem=str(error)) from None
-    metrics = Metrics.from_summary(record["summary"])
-    step = numbers["plan"]["control_period"] / numbers["plan"]["steps_per_period"]
-    events = _events(metrics, record, step)
-    remarks = (
-        *_warnings(
-            metrics,
-            events,
-            scenario,
-            law,
-            record["summary"]["end_time"],
-            _fast_turn(metrics, record, numbers, scenario),
-        ),
-        *_far(record, scenario),
-    )
-    return Flight(
-        scenario=scenario,
-        law=law,
-        seed=seed,
-        index=index,
-        backend=record["backend"],
-        history=record["history"],
-        metrics=metrics,
-        events=events,
-        warnings=(*remarks, *warnings(scenario, law)),
-    )
+    def _attributes(self) -> dict[str, Any]:
+        """Give everything but the time series as NetCDF attributes: texts and numbers."""
+        return {
+            "title": self.scenario.title,
+            "law": self.law,
+            "seed": str(self.seed),
+            "index": str(self.index),
+            "backend": self.backend,
+            "integration_step_s": self.integration_step,
+            "detumble_version": __version__,
+            "scenario": self.scenario.to_toml(),
+            "metrics": json.dumps(self.metrics.to_json()),
+            "metric_definitions": json.dumps({metric.key: metric.definition for metric in METRICS}),
+            "events": json.dumps([asdict(event) for event in self.events]),
+            "warnings": json.dumps(self.warnings),
+        }
 
 
 def read_netcdf(path: str | os.PathLike[str]) -> Flight:
@@ -217,98 +144,42 @@ def read_netcdf(path: str | os.PathLike[str]) -> Flight:
     """
     from detumble.netcdf import read
 
-    return read(path)
+    name = os.fspath(named_file(path))
+    try:
+        return _flight(*read(name), name)
+    except ScenarioError:
+        raise
+    except RequestError as error:
+        raise RequestError(f"{name}: {str(error).removeprefix(f'{name}: ')}") from None
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        raise RequestError(f"{name}: holds no detumble flight that this version ({__version__}) can read") from None
 
 
-def _events(metrics: Metrics, record: Mapping[str, Any], step: float) -> tuple[Event, ...]:
-    events, history, summary = [], record["history"], record["summary"]
-    if metrics.capture_time is not None:
-        events.append(Event("captured", metrics.capture_time, _listed(record["merge"] or {})))
-    if metrics.settled_tick is not None:
-        events.append(Event("settled", float(history["time"][metrics.settled_tick])))
-    if summary["failure"] == NO_GAINS:
-        events.append(Event("no_gains", summary["end_time"], {"cause": cause(NO_GAINS)}))
-    if metrics.diverged_time is not None:
-        events.append(Event("diverged", metrics.diverged_time, {"cause": _divergence(history, metrics, step)}))
-    return tuple(events)
+def _checked_metrics(stored: Mapping[str, Any]) -> Metrics:
+    """Read metrics, each of which must be there: a number, three numbers, or None.
+
+    Raises:
+        ValueError: they are not.
+    """
+    for metric in METRICS:
+        value = stored[metric.key]
+        numbers = value if metric.name.endswith("_axes") and isinstance(value, list) else [value]
+        if any(isinstance(one, bool) or not isinstance(one, int | float | None) for one in numbers):
+            raise ValueError(metric.key)
+    return Metrics.from_json(stored)
 
 
-def _divergence(history: Mapping[str, NDArray[np.float64]], metrics: Metrics, step: float) -> str:
-    """Name a turn that no integration bears, or else the part of the state that grew fastest at the end."""
-    if not len(history["time"]):
-        return "the start is not finite"
-    turn = (metrics.largest_rate or 0.0) * step
-    if turn > HOPELESS_TURN:
-        return f"a body turned {turn:.2g} rad in an integration step of {step:.4g} s, too far for its rotation to be integrated"
-    if len(history["time"]) == 1:
-        force, torque = (math.hypot(*history[name][0]) for name in ("force", "torque"))
-        return f"the state became non-finite within the first control period, under {force:.3g} N and {torque:.3g} N m"
-    units = {"position": "m", "velocity": "m/s", "chaser_rate": "rad/s", "debris_rate": "rad/s"}
-    last = {name: float(abs(history[name][-1]).max()) for name in units}
-    before = {name: float(abs(history[name][-2:][0]).max()) for name in units}
-    name = max(units, key=lambda name: (last[name] / before[name] if before[name] else 0.0, last[name]))
-    return f"the state left the numbers; last finite {name}: {last[name]:.3g} {units[name]}"
+def _flight(attributes: Mapping[str, Any], history: dict[str, Any], name: str) -> Flight:
+    from pydantic import TypeAdapter
 
-
-def _listed(value: Any) -> Any:
-    """Give lists for tuples all through, as a flight that was read back has them."""
-    if isinstance(value, dict):
-        return {key: _listed(element) for key, element in value.items()}
-    return [_listed(element) for element in value] if isinstance(value, list | tuple) else value
-
-
-def _far(record: Mapping[str, Any], scenario: Scenario) -> Iterator[str]:
-    """Say that the flight left the neighbourhood in which its equations hold, unless it began outside."""
-    positions = record["history"]["position"]
-    if len(positions):
-        reached = math.sqrt(float((positions * positions).sum(axis=1).max()))
-        if not far_away(math.hypot(*scenario.chaser.position), scenario) and (text := far_away(reached, scenario)):
-            yield f"reached a distance of {text}"
-
-
-def _fast_turn(metrics: Metrics, record: Mapping[str, Any], numbers: Mapping[str, Any], scenario: Scenario) -> str:
-    """Say that a body turned too fast for the integration step; empty where none did."""
-    plan, merge = numbers["plan"], record["merge"]
-    bodies = [numbers["chaser"]["inertia"]]
-    bodies += [merge["stack_inertia"]] if merge else []
-    bodies += [] if flown_exactly(scenario) else [numbers["debris"]["inertia"]]
-    step = plan["control_period"] / plan["steps_per_period"]
-    return coarse_step(most_asymmetric(*bodies), metrics.largest_rate or 0.0, step, record["summary"]["end_time"])
-
-
-def _warnings(
-    metrics: Metrics, events: tuple[Event, ...], scenario: Scenario, law: str, end: float, fast_turn: str
-) -> tuple[str, ...]:
-    found = []
-    broken = next((event for event in events if event.name in BROKEN_OFF), None)
-    if metrics.capture_time == 0.0 and law != "none":
-        found.append(INSIDE)
-    if broken:
-        found.append(f"{BROKEN_OFF[broken.name]} at {broken.time:.10g} s: {broken.details['cause']}")
-    elif metrics.capture_time is None and law != "none":
-        found.append(f"not captured within {end:.10g} s")
-    elif metrics.settling_time is None and law != "none" and scenario.capture.merge:
-        found.append("captured, but not settled at the end of the flight")
-    if fast_turn:
-        found.append(fast_turn)
-    if law == "none":
-        found += [*_clipped(metrics), *cut_off(scenario)]
-    return tuple(found)
-
-
-def _clipped(metrics: Metrics) -> Iterator[str]:
-    """Say how much of the open-loop commands was over a limit."""
-    for what, share in (("force", metrics.force_saturated_share), ("torque", metrics.torque_saturated_share)):
-        if share:
-            yield f"the {what} commanded is over actuators.{what}_limit for {100.0 * share:.3g} % of the time, and cut to it"
-
-
-def cut_off(scenario: Scenario) -> Iterator[str]:
-    """Say which open-loop segments end after the flight."""
-    duration = scenario.time.duration
-    for number, segment in enumerate(scenario.laws.none.segments if scenario.laws.none else ()):
-        if segment.end > duration * (1.0 + 1e-9):
-            yield (
-                f"laws.none.segments[{number}] ends at {segment.end:.10g} s, after the flight ({duration:.10g} s): "
-                "the rest is not flown"
-            )
+    return Flight(
+        scenario=from_toml(attributes["scenario"], f"{name} (scenario)"),
+        law=choice("law", attributes["law"], (*LAWS, "none")),
+        seed=whole("seed", int(attributes["seed"]), 0, MOST_SEED),
+        index=whole("index", int(attributes["index"]), 0, MOST_SEED),
+        backend=choice("backend", attributes["backend"], ("portable", "avx2", "avx512")),
+        history=history,
+        metrics=_checked_metrics(json.loads(attributes["metrics"])),
+        events=TypeAdapter(tuple[Event, ...]).validate_json(attributes["events"], strict=True),
+        warnings=TypeAdapter(tuple[str, ...]).validate_json(attributes["warnings"], strict=True),
+    )

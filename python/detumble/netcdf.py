@@ -1,4 +1,4 @@
-"""Flights as xarray datasets and NetCDF files: units and long names on the data, the recipe in the attributes."""
+"""The file of a flight: a NetCDF dataset with units and long names on the series, all else in the attributes."""
 
 from __future__ import annotations
 
@@ -6,20 +6,13 @@ import hashlib
 import json
 import os
 import stat
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import h5py  # type: ignore[import-untyped]  # has no types
 import numpy as np
 import xarray as xr
-from pydantic import TypeAdapter
 
-from detumble import __version__
-from detumble.checking import MOST_SEED, choice, whole
-from detumble.errors import RequestError, ScenarioError
-from detumble.metrics import METRICS, Metrics
-from detumble.scenario.files import from_toml
-from detumble.scenario.laws import LAWS
+from detumble.errors import RequestError
 from detumble.scenario.model import MOST_PERIODS
 from detumble.surroundings import check_dask
 from detumble.variables import AXES, COMPONENTS, VARIABLES
@@ -28,51 +21,32 @@ from detumble.writing import named_file, reason, write_bytes
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from detumble.flight import Flight
 
-
-def dataset(flight: Flight) -> xr.Dataset:
-    """Give a flight's time series as a dataset.
+def dataset(history: Mapping[str, Any], attributes: Mapping[str, Any]) -> xr.Dataset:
+    """Give a flight as a dataset.
 
     Args:
-        flight: the flight.
+        history: time series by name, as `Flight.history`.
+        attributes: by name; those of `RECIPE` are needed.
 
     Returns:
         Variables over `time`, vectors also over `axis` (x, y, z), attitudes over `quaternion` (q0, scalar, to q3).
     """
     check_dask()
     coordinates = {
-        "time": ("time", flight.history["time"], {"units": "s", "long_name": "time"}),
+        "time": ("time", history["time"], {"units": "s", "long_name": "time"}),
         "axis": ("axis", np.array(AXES, dtype=object), {"long_name": "axis of the vector's frame"}),
         "quaternion": ("quaternion", np.array(COMPONENTS, dtype=object), {"long_name": "component, scalar first"}),
     }
     series = {
         variable.name: (
             ("time", variable.across) if variable.across else ("time",),
-            flight.history[variable.name],
+            history[variable.name],
             {"units": variable.unit, "long_name": variable.meaning},
         )
         for variable in VARIABLES
     }
-    return xr.Dataset(series, coordinates, _attributes(flight))
-
-
-def _attributes(flight: Flight) -> dict[str, Any]:
-    recipe = {
-        "title": flight.scenario.title,
-        "law": flight.law,
-        "seed": str(flight.seed),
-        "index": str(flight.index),
-        "backend": flight.backend,
-        "integration_step_s": flight.integration_step,
-        "detumble_version": __version__,
-        "scenario": flight.scenario.to_toml(),
-        "metrics": json.dumps(flight.metrics.to_json()),
-        "metric_definitions": json.dumps({metric.key: metric.definition for metric in METRICS}),
-        "events": json.dumps([asdict(event) for event in flight.events]),
-        "warnings": json.dumps(flight.warnings),
-    }
-    return recipe | {DIGEST: digest(flight.history, recipe)}
+    return xr.Dataset(series, coordinates, dict(attributes) | {DIGEST: digest(history, attributes)})
 
 
 DIGEST = "digest"
@@ -112,18 +86,18 @@ RECIPE = (
 """Attributes of the file that are its own."""
 
 
-def write(flight: Flight, path: str | os.PathLike[str]) -> None:
-    """Write a flight as NetCDF, whole or not at all.
+def write(flight: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Write the dataset of a flight as NetCDF, whole or not at all.
 
     Raises:
         RequestError: it cannot be written.
     """
     # in memory first: HDF5 crashes when the disk is full
-    write_bytes(named_file(path), flight.data.to_netcdf(None, engine="h5netcdf"))
+    write_bytes(named_file(path), flight.to_netcdf(None, engine="h5netcdf"))
 
 
-def read(path: str | os.PathLike[str]) -> Flight:
-    """Read a flight back.
+def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Read the attributes and the time series of a flight, by name.
 
     Raises:
         RequestError: the file cannot be read, is no flight, or is not as it was written.
@@ -150,16 +124,9 @@ def read(path: str | os.PathLike[str]) -> Flight:
     missing = [each for each in (*series, *RECIPE, DIGEST) if each not in history and each not in recipe]
     if missing:
         raise RequestError(f"{name}: holds no detumble flight (no {', '.join(missing[:3])})")
-    try:
-        if digest(history, recipe) != recipe[DIGEST]:
-            raise RequestError(f"{name}: damaged, or changed after it was written")
-        return _flight(recipe, history, os.fspath(name))
-    except ScenarioError:
-        raise
-    except RequestError as error:
-        raise RequestError(f"{name}: {str(error).removeprefix(f'{name}: ')}") from None
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        raise RequestError(f"{name}: holds no detumble flight that this version ({__version__}) can read") from None
+    if digest(history, recipe) != recipe[DIGEST]:
+        raise RequestError(f"{name}: damaged, or changed after it was written")
+    return recipe, history
 
 
 def _check_shapes(shapes: Mapping[str, tuple[int, ...]]) -> None:
@@ -174,33 +141,3 @@ def _check_shapes(shapes: Mapping[str, tuple[int, ...]]) -> None:
     wrong = [name for name, shape in shapes.items() if shape != wanted[name]]
     if wrong or rows > MOST_PERIODS + 1:
         raise ValueError(f"{', '.join(wrong) or 'time'}: no series of a flight has that shape")
-
-
-def _checked_metrics(stored: Mapping[str, Any]) -> Metrics:
-    """Read metrics, each of which must be there: a number, three numbers, or None.
-
-    Raises:
-        ValueError: they are not.
-    """
-    for metric in METRICS:
-        value = stored[metric.key]
-        numbers = value if metric.name.endswith("_axes") and isinstance(value, list) else [value]
-        if any(isinstance(one, bool) or not isinstance(one, int | float | None) for one in numbers):
-            raise ValueError(metric.key)
-    return Metrics.from_json(stored)
-
-
-def _flight(recipe: Mapping[str, Any], history: dict[str, Any], name: str) -> Flight:
-    from detumble.flight import Event, Flight
-
-    return Flight(
-        scenario=from_toml(recipe["scenario"], f"{name} (scenario)"),
-        law=choice("law", recipe["law"], (*LAWS, "none")),
-        seed=whole("seed", int(recipe["seed"]), 0, MOST_SEED),
-        index=whole("index", int(recipe["index"]), 0, MOST_SEED),
-        backend=choice("backend", recipe["backend"], ("portable", "avx2", "avx512")),
-        history=history,
-        metrics=_checked_metrics(json.loads(recipe["metrics"])),
-        events=TypeAdapter(tuple[Event, ...]).validate_json(recipe["events"], strict=True),
-        warnings=TypeAdapter(tuple[str, ...]).validate_json(recipe["warnings"], strict=True),
-    )

@@ -7,8 +7,9 @@ import os
 import numpy as np
 
 from detumble.errors import RequestError
-from detumble.flight import Flight, flown, read_netcdf
+from detumble.flight import Flight, read_netcdf
 from detumble.scenario.core import case
+from detumble.simulation import flown
 
 SENSORS = ("position", "velocity", "attitude", "rate")
 

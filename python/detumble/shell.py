@@ -11,8 +11,8 @@ import sys
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
+from detumble import matplotlib_setup
 from detumble.errors import RequestError
-from detumble.show import drawing
 from detumble.text import printable
 from detumble.writing import reason
 
@@ -41,7 +41,7 @@ def run() -> None:
     Raises:
         SystemExit: always, with the exit code.
     """
-    drawing.alone = True
+    matplotlib_setup.own_process = True
     _settle_environment()
     _open_closed_streams()
     _keep_readable()

@@ -50,6 +50,11 @@ def check_dask() -> None:
         raise RequestError(f"Dask cannot read its configuration (DASK_CONFIG, ~/.config/dask): {why}") from None
 
 
+def available_threads() -> int:
+    """Count the processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def _runs_in(process: int | str) -> bool:
     """Look for the threads of polars, as far as the system tells the names of threads."""
     if "polars" not in sys.modules:

@@ -1,8 +1,10 @@
-"""Text of a user's that goes into files, pictures and terminals."""
+"""Text from a user: made printable for files, pictures and terminals, and compared with known words."""
 
 from __future__ import annotations
 
+import difflib
 import unicodedata
+from collections.abc import Iterable
 
 _MARKS = {chr(code) for code in (*range(0x202A, 0x202F), *range(0x2066, 0x206A))}
 """Marks that turn the direction of what follows them on a terminal."""
@@ -34,3 +36,10 @@ def unprintable(text: str, keep: str = "") -> str:
 
 def _controls(character: str) -> bool:
     return unicodedata.category(character) in ("Cc", "Cs", "Zl", "Zp") or character in _MARKS
+
+
+def did_you_mean(word: str, choices: Iterable[str]) -> str:
+    """Suggest the nearest of the choices: `; did you mean x?`, or nothing."""
+    folded = {choice.lower().replace("_", ""): choice for choice in choices}
+    near = difflib.get_close_matches(word.lower().replace("_", "").replace("-", ""), folded, n=1, cutoff=0.6)
+    return f"; did you mean {folded[near[0]]}?" if near else ""

@@ -21,9 +21,9 @@ from commands import call
 from detumble.analysis.comparing.entries import entries_of
 from detumble.analysis.comparing.plan import Plan
 from detumble.analysis.tuning import Objective
-from detumble.campaigns.statistics.intervals import Proportion
 from detumble.checking import met
 from detumble.errors import RequestError
+from detumble.intervals import Proportion
 from detumble.scenario import Scenario, from_toml, with_settings
 from detumble.scenario.dispersions.fitting import fields
 

@@ -14,8 +14,9 @@ from chases import A, N, start
 from detumble.analysis.bounds.earliest import minimum_capture_time, minimum_capture_times, minimum_times
 from detumble.analysis.bounds.pursuit import Pursuit, start_of
 from detumble.analysis.bounds.translation import Reach
-from detumble.analysis.bounds.tumble import conjugate, multiply, rotate, tumble
+from detumble.analysis.bounds.tumble import tumble
 from detumble.analysis.bounds.turn import Agility, excluded
+from detumble.quaternions import conjugate, multiply, rotate
 
 PERIOD = chases.BASE.period
 BASE = replace(chases.BASE, debris_inertia=np.diag([0.05, 0.05, 0.08]), periods=3000)

@@ -16,8 +16,9 @@ from chases import STILL
 from detumble.analysis.bounds.attitude import earliest_attitude
 from detumble.analysis.bounds.pursuit import Pursuit, start_of
 from detumble.analysis.bounds.slew import attitude_bound, first_slew, fly, slew_at_tick
-from detumble.analysis.bounds.tumble import conjugate, multiply, rotate, tumble
+from detumble.analysis.bounds.tumble import tumble
 from detumble.errors import RequestError
+from detumble.quaternions import conjugate, multiply, rotate
 
 BASE = replace(chases.BASE, debris_inertia=np.diag([0.05, 0.05, 0.08]), goal=np.zeros(3), periods=3000)
 SPHERE = replace(BASE, chaser_inertia=0.1 * np.eye(3), torque=np.array([0.01, 0.0, 0.0]))

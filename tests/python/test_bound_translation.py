@@ -29,7 +29,8 @@ from detumble.analysis.bounds.commanded import reach_at_tick
 from detumble.analysis.bounds.course import Course
 from detumble.analysis.bounds.fuel import delta_v_bound, delta_v_lower
 from detumble.analysis.bounds.soonest import translation_bound
-from detumble.analysis.bounds.tumble import conjugate, multiply, rotate, tumble
+from detumble.analysis.bounds.tumble import tumble
+from detumble.quaternions import conjugate, multiply, rotate
 
 # --- time, closed forms
 

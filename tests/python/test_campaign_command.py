@@ -18,8 +18,8 @@ import pytest
 from scipy.stats import binomtest
 
 import detumble
+from detumble.campaigns.columns import SCALARS
 from detumble.campaigns.result import read_campaign
-from detumble.campaigns.store.rows import SCALARS
 from detumble.campaigns.store.shard import digest
 from detumble.cli import main
 from detumble.errors import RequestError

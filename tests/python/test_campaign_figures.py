@@ -14,11 +14,11 @@ from matplotlib.collections import PolyCollection, QuadMesh
 from matplotlib.colors import to_hex
 
 from detumble.campaigns.statistics.convergence import Convergence
-from detumble.campaigns.statistics.intervals import Proportion, clopper_pearson, dkw_half_width
 from detumble.campaigns.statistics.sensitivity import Influence, Sensitivity
 from detumble.campaigns.statistics.summaries import Ecdf
-from detumble.campaigns.store.rows import CAUSES
 from detumble.errors import RequestError
+from detumble.failures import CAUSES
+from detumble.intervals import Proportion, clopper_pearson, dkw_half_width
 from detumble.show.campaign import Caption, Trace, failures
 from detumble.show.campaign import causes as causes_page
 from detumble.show.campaign.causes import draw_failures

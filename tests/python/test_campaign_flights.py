@@ -11,11 +11,12 @@ import pytest
 from scipy.linalg import expm
 
 import detumble
+from detumble.campaigns.columns import SCALARS
 from detumble.campaigns.result import CampaignResult, read_campaign
-from detumble.campaigns.store.rows import CAUSES, SCALARS
 from detumble.campaigns.store.shard import digest
 from detumble.compiled import core
 from detumble.errors import RequestError
+from detumble.failures import CAUSES
 from detumble.flight import Flight
 from detumble.scenario import Scenario
 from detumble.scenario.faults import validated

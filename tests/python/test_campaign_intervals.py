@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.stats import binom, binomtest
 
-from detumble.campaigns.statistics.intervals import Proportion, clopper_pearson, dkw_half_width, quantile_ranks
-from detumble.campaigns.statistics.sketch import ACCURACY, LogHistogram, TickHistogram
+from detumble.campaigns.statistics.histograms import ACCURACY, LogHistogram, TickHistogram
 from detumble.campaigns.statistics.summaries import CURVE, PERCENTS, Ecdf, Summary
+from detumble.intervals import Proportion, clopper_pearson, dkw_half_width, quantile_ranks
 
 PERIOD = 0.1
 

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 import detumble
+from detumble.campaigns.columns import RESULTS, SCALARS
+from detumble.campaigns.recipe import Recipe
 from detumble.campaigns.runs.draws import draw, drawn_scenario
 from detumble.campaigns.runs.flying import fly_runs
 from detumble.campaigns.runs.overlay import overlay
-from detumble.campaigns.runs.recipe import Recipe
-from detumble.campaigns.store.rows import RESULTS, SCALARS
 from detumble.compiled import core
 from detumble.scenario import LAWS, Scenario
 from detumble.scenario.core import case

@@ -17,11 +17,11 @@ import pytest
 
 import detumble
 from campaign_folders import child, flip, needs_a_disk_of_its_own, on_a_disk_of_its_own
-from detumble.campaigns.campaign import Unwatched
 from detumble.campaigns.result import CampaignResult, read_campaign
-from detumble.campaigns.statistics.statistics import Statistics
-from detumble.campaigns.store.folder import Store
+from detumble.campaigns.statistics.running import Statistics
+from detumble.campaigns.store.campaign_folder import Store
 from detumble.errors import RequestError
+from detumble.progress import Watcher
 from detumble.scenario import with_settings
 from uncertain import flown, rows_digest, uncertain
 
@@ -33,7 +33,7 @@ def reference(tmp_path_factory: pytest.TempPathFactory) -> CampaignResult:
     return flown(tmp_path_factory.mktemp("reference"))
 
 
-class Remarks(Unwatched):
+class Remarks(Watcher):
     """Keeps what is remarked."""
 
     def __init__(self) -> None:
@@ -43,7 +43,7 @@ class Remarks(Unwatched):
         self.texts.append(text)
 
 
-class Stop(Unwatched):
+class Stop(Watcher):
     """Breaks off, with an error of any kind, once so many runs are done."""
 
     def __init__(self, after: int, error: BaseException) -> None:

@@ -12,15 +12,15 @@ from typing import Any
 import pytest
 
 import detumble
-from detumble.campaigns.campaign import Unwatched
+from detumble.campaigns.recipe import Recipe
 from detumble.campaigns.result import CampaignResult
 from detumble.campaigns.runs.cluster import fly_shard
 from detumble.campaigns.runs.flying import fly_runs
-from detumble.campaigns.runs.recipe import Recipe
-from detumble.campaigns.statistics.statistics import Statistics
+from detumble.campaigns.statistics.running import Statistics
 from detumble.campaigns.store.shard import digest, frame_of
 from detumble.compiled import core
 from detumble.errors import RequestError
+from detumble.progress import Watcher
 from detumble.scenario import LAWS
 from uncertain import flown, rows_digest, uncertain
 
@@ -99,7 +99,7 @@ def cluster() -> Iterator[Any]:
         yield cluster
 
 
-class Killer(Unwatched):
+class Killer(Watcher):
     """Kills the workers one after the other, each as soon as so many runs more are done."""
 
     def __init__(self, workers: list[int], pause: int) -> None:
@@ -155,7 +155,7 @@ def test_a_scheduler_that_is_not_there_is_told(tmp_path: Path, monkeypatch: pyte
     assert not (tmp_path / "out").exists()
 
 
-class Call(Unwatched):
+class Call(Watcher):
     """Does something once, after three shards."""
 
     def __init__(self, something: Callable[[], object]) -> None:

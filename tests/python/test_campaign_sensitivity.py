@@ -10,11 +10,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import detumble
+from detumble.campaigns.columns import INDEX, RESULTS
 from detumble.campaigns.statistics import sensitivity
-from detumble.campaigns.statistics.inputs import START_ERROR, drawn_columns, inputs, rotation_vector
+from detumble.campaigns.statistics.inputs import START_ERROR, drawn_columns, inputs
 from detumble.campaigns.statistics.sensitivity import sensitivities
-from detumble.campaigns.store.rows import CAUSES, INDEX, RESULTS
 from detumble.errors import RequestError
+from detumble.failures import CAUSES
+from detumble.quaternions import rotation_vector
 
 SCENARIO = detumble.load("paper")
 

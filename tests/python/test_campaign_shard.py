@@ -14,9 +14,9 @@ import pytest
 
 from campaign_folders import ROWS, begin, child, flip, fly, rows
 from detumble.campaigns.store import shard as shards
-from detumble.campaigns.store.folder import Store
-from detumble.campaigns.store.rows import CAUSES
+from detumble.campaigns.store.campaign_folder import Store
 from detumble.campaigns.store.shard import Damage, column, decode, digest, encode, frame_of, rows_in
+from detumble.failures import CAUSES
 
 
 @pytest.fixture

@@ -10,12 +10,13 @@ import polars as pl
 import pytest
 from scipy.stats import binom, binomtest
 
+from detumble.campaigns.columns import RESULTS
 from detumble.campaigns.statistics.convergence import Prefixes
-from detumble.campaigns.statistics.intervals import Proportion, clopper_pearson, quantile_ranks
-from detumble.campaigns.statistics.sketch import ACCURACY
-from detumble.campaigns.statistics.statistics import EXTENTS, TIMES, Statistics
+from detumble.campaigns.statistics.histograms import ACCURACY
+from detumble.campaigns.statistics.running import EXTENTS, TIMES, Statistics
 from detumble.campaigns.statistics.summaries import PERCENTS
-from detumble.campaigns.store.rows import CAUSES, RESULTS
+from detumble.failures import CAUSES
+from detumble.intervals import Proportion, clopper_pearson, quantile_ranks
 
 PERIOD = 0.1
 SHARD = 1000

@@ -31,7 +31,7 @@ from campaign_folders import (
     rows,
     there,
 )
-from detumble.campaigns.store.folder import Store
+from detumble.campaigns.store.campaign_folder import Store
 from detumble.campaigns.store.manifest import FORMAT
 from detumble.campaigns.store.shard import frame_of
 from detumble.campaigns.store.table import Runs
@@ -117,7 +117,7 @@ def test_another_campaign_is_refused_and_the_difference_named(store: Store) -> N
 def test_a_campaign_of_another_version_is_read_but_not_continued(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
     fly(store, 450)
     store.close()
-    monkeypatch.setattr("detumble.campaigns.store.folder.__version__", "9.0.0")
+    monkeypatch.setattr("detumble.campaigns.store.campaign_folder.__version__", "9.0.0")
     told = f"flown by detumble {detumble.__version__}, this is 9.0.0: runs might differ, so it can be read, but not continued"
     for asked in (recipe(), replace(recipe(), version="9.0.0")):
         with pytest.raises(RequestError, match=re.escape(told)):

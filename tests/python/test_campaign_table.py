@@ -14,13 +14,14 @@ import pytest
 import xarray as xr
 
 from campaign_folders import ODD, ROWS, begin, fly, rows
-from detumble.campaigns.runs.recipe import Recipe
+from detumble.campaigns.columns import INDEX, RESULTS
+from detumble.campaigns.recipe import Recipe
 from detumble.campaigns.store import table
-from detumble.campaigns.store.folder import Store
-from detumble.campaigns.store.rows import CAUSES, INDEX, RESULTS
+from detumble.campaigns.store.campaign_folder import Store
 from detumble.campaigns.store.shard import frame_of
 from detumble.campaigns.store.table import Runs
 from detumble.errors import RequestError
+from detumble.failures import CAUSES
 
 
 @pytest.fixture

@@ -10,10 +10,10 @@ import pytest
 
 from detumble.compiled import core
 from detumble.errors import RequestError, ScenarioError
-from detumble.flight import simulate
 from detumble.scenario import LAWS, Scenario, load, with_settings
 from detumble.scenario.conversions import ticks
 from detumble.scenario.core import case
+from detumble.simulation import simulate
 
 DATA = Path(__file__).parents[1] / "data"
 FILES = ["paper", *sorted((DATA / "scenarios").glob("*.toml"))]

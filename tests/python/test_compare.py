@@ -18,18 +18,19 @@ from detumble.analysis.bounds.earliest import minimum_capture_time
 from detumble.analysis.bounds.runs import capture_bounds, delta_v_bounds, settling_bounds
 from detumble.analysis.comparing import Comparison, Entry, Plan, compare, comparer
 from detumble.analysis.comparing.judge import Verdict, fly
+from detumble.analysis.comparing.judged import Judged
+from detumble.analysis.comparing.pairs import OBJECTIVES, pairs_of
 from detumble.analysis.comparing.ranking import Score
-from detumble.analysis.comparing.result import OBJECTIVES, Judged, pairs_of
 from detumble.analysis.comparing.robustness import sweeps_of
 from detumble.analysis.trials import Trials
 from detumble.analysis.tuning import Objective
 from detumble.analysis.tuning.objective import What
 from detumble.campaigns.runs.draws import drawn_scenario
 from detumble.cli import main
-from detumble.commands.compare import Stages
+from detumble.commands.progress import Line
 from detumble.errors import RequestError
+from detumble.progress import Watcher
 from detumble.scenario import Scenario, with_settings
-from detumble.show.compare.times import times_over_least
 
 TWINS = (Entry("One", "prrl", "printed"), Entry("Other", "prrl", "printed"), Entry("PD", "pd", "corrected"))
 SMALL = Plan(budget=20, starts=16, tunings=2, runs=200, robust=20)
@@ -118,21 +119,49 @@ def test_folder_holds_numbers_and_gains_that_fly(small: Comparison, folder: Path
     assert np.array_equal(flown, small.entries[2].runs["capture_time"][:50], equal_nan=True)
 
 
+def test_a_watcher_follows_every_stage_to_its_end(scenario: Scenario) -> None:
+    class Noted(Watcher):
+        def __init__(self) -> None:
+            self.stages: dict[str, tuple[int, int]] = {}
+
+        def stage(self, title: str) -> None:
+            self.title = title
+
+        def begin(self, total: int) -> None:
+            self.stages[self.title] = (total, 0)
+
+        def now(self, done: int, fresh: int | None = None, found: object = None) -> None:
+            total, before = self.stages[self.title]
+            assert before <= done <= total
+            self.stages[self.title] = (total, done)
+
+    noted = Noted()
+    compare(scenario, TWINS[1:], Plan(budget=9, starts=8, tunings=1, runs=20, robust=5), watcher=noted)
+    assert [title for title in noted.stages if title.startswith("PD")] == [
+        "PD: tuning 1 of 1",
+        "PD: held-out runs",
+        "PD: robustness",
+    ]
+    assert noted.stages["PD: tuning 1 of 1"] == (9, 9)
+    assert noted.stages["least capture time of every run"] == (20, 20)
+
+
 def test_largest_seed_has_further_searches_too() -> None:
     paper, largest = detumble.load("paper"), 2**64 - 1
     result = compare(paper, TWINS[1:], Plan(seed=largest, budget=2, starts=2, tunings=2, runs=5, robust=0))
     assert [tuning.optimiser_seed for tuning in result.entries[0].tunings] == [largest, 0]
 
 
-@pytest.mark.parametrize("tuned", [True, False])
+@pytest.mark.parametrize("begun", [True, False])
 def test_stopping_says_how_to_go_on_where_there_is_something_to_go_on_with(
-    tuned: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    begun: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    if tuned:
-        (tmp_path / "records").mkdir()
-    with pytest.raises(KeyboardInterrupt), Stages(tmp_path):
+    line = Line(tmp_path, "runs")
+    if begun:
+        line.begin(3)
+    with pytest.raises(KeyboardInterrupt), line:
         raise KeyboardInterrupt
-    assert ("--resume" in capsys.readouterr().err) is tuned
+    assert ("--resume" in capsys.readouterr().err) is begun
 
 
 def test_figures_are_drawn_for_few_and_for_failing_runs(small: Comparison, tmp_path: Path) -> None:
@@ -264,7 +293,7 @@ def test_runs_that_begin_captured_are_drawn_as_soon_as_any_controller_could(scen
     judged = compare(wide, TWINS[:2], Plan(as_given=True, runs=60, robust=0)).entries[0]
     begun = judged.runs.capture_time == 0.0
     assert 0 < judged.ratios["time"].free < 60
-    drawn = times_over_least(judged)
+    drawn = judged.times_over_least
     assert np.all(drawn[begun] == 1.0)
     assert np.all(drawn >= 1.0)
     assert np.array_equal(np.isinf(drawn), ~judged.runs.succeeded)

@@ -11,11 +11,12 @@ from scipy.stats import binom, binomtest, false_discovery_control, norm, ttest_r
 
 from detumble.analysis.comparing.entries import Entry
 from detumble.analysis.comparing.judge import KEPT, Runs, Verdict
+from detumble.analysis.comparing.judged import Judged
 from detumble.analysis.comparing.paired import Difference, Shift, holm, quantile, sign_test, t_test
+from detumble.analysis.comparing.pairs import pairs_of, ranking_of
 from detumble.analysis.comparing.ranking import Score, rank
 from detumble.analysis.comparing.ratios import Ratio
-from detumble.analysis.comparing.result import Judged, pairs_of, ranking_of
-from detumble.campaigns.statistics.intervals import Proportion
+from detumble.intervals import Proportion
 from detumble.scenario.laws import LAWS
 
 PERIOD = 0.1

@@ -14,8 +14,8 @@ import pytest
 
 from detumble.analysis.comparing.entries import Entry, check_entries
 from detumble.errors import RequestError
-from detumble.flight import simulate
 from detumble.scenario import Scenario, with_settings
+from detumble.simulation import simulate
 
 DETUMBLE = f"{shlex.quote(sys.executable)} -m detumble.cli"
 RUN = ["run", "paper", "--set", "time.duration=2.0", "--out"]

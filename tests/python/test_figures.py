@@ -73,7 +73,7 @@ def axes_of(figure: Figure) -> list[Axes]:
 
 
 def test_every_figure_is_written_as_png_and_svg_and_nothing_else(flights: dict[str, Flight], tmp_path: Path) -> None:
-    files = figures.paper_figures(flights, tmp_path)
+    files = figures.paper_figures(flights, tmp_path, 3.0)
     assert [file.name for file in files] == [f"{name}.{kind}" for name in NAMES for kind in ("png", "svg")]
     assert sorted(tmp_path.iterdir()) == sorted(files)
     for file in files:
@@ -85,7 +85,9 @@ def test_every_figure_is_written_as_png_and_svg_and_nothing_else(flights: dict[s
 def test_the_same_flights_give_the_same_bytes(flights: dict[str, Flight], tmp_path: Path) -> None:
     one = {"prrl": flights["prrl"]}
     with styled():
-        for (name, first), second in zip(figures.build(one).items(), figures.build(one).values(), strict=True):
+        for (name, first), second in zip(
+            figures.build(one, 3.0).items(), figures.build(one, 3.0).values(), strict=True
+        ):
             files = [
                 save(figure, [tmp_path / f"{name}{kind}"])[0] for kind, figure in (("a.svg", first), ("b.svg", second))
             ]

@@ -11,8 +11,8 @@ import pytest
 
 import detumble
 from detumble.campaigns.result import CampaignResult
-from detumble.campaigns.store.rows import NO_GAINS, cause
 from detumble.errors import ScenarioError
+from detumble.failures import NO_GAINS, cause
 from detumble.scenario import Scenario
 from detumble.scenario.faults import validated
 from pages import call

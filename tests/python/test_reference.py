@@ -11,9 +11,9 @@ import pytest
 import typer
 
 import detumble
-from detumble.campaigns.statistics.statistics import EXTENTS, TIMES
-from detumble.campaigns.store.rows import CAUSES, THRESHOLDS
+from detumble.campaigns.statistics.running import EXTENTS, TIMES
 from detumble.commands.app import app
+from detumble.failures import CAUSES, THRESHOLDS
 from detumble.metrics import METRICS
 from detumble.scenario import LAWS, with_settings
 from detumble.variables import VARIABLES

@@ -10,7 +10,7 @@ import pytest
 
 import detumble
 from detumble.analysis.bounds.earliest import minimum_capture_time
-from detumble.campaigns.statistics.sketch import TickHistogram
+from detumble.campaigns.statistics.histograms import TickHistogram
 from detumble.compiled import tick_times
 from detumble.scenario import Scenario, with_settings
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from detumble.analysis.bounds.tumble import conjugate, multiply, rotate, tumble
+from detumble.analysis.bounds.tumble import tumble
+from detumble.quaternions import conjugate, multiply, rotate
 
 STILL = np.array([1.0, 0.0, 0.0, 0.0])
 

@@ -15,12 +15,13 @@ import pytest
 import detumble
 from detumble.analysis.trials import Trials
 from detumble.analysis.tuning import Objective, Tuned, held_out, tune
+from detumble.analysis.tuning.evolution import minimise
 from detumble.analysis.tuning.gains import gains_of
 from detumble.analysis.tuning.horizon import default_horizon
-from detumble.analysis.tuning.search import minimise
 from detumble.analysis.tuning.space import space_of
 from detumble.campaigns.runs.draws import drawn_scenario
 from detumble.errors import RequestError, ScenarioError
+from detumble.progress import Watcher
 from detumble.scenario import LAWS, Scenario, from_toml
 from detumble.scenario.faults import validated
 
@@ -159,6 +160,22 @@ def test_tuned_gains_beat_the_papers_on_runs_not_seen(law: str) -> None:
     assert after.success >= 0.95
 
 
+def test_a_watcher_sees_the_generations_and_the_result_holds_its_setting(dispersed: Scenario) -> None:
+    seen: list[object] = []
+
+    class Noted(Watcher):
+        def now(self, done: int, fresh: int | None = None, found: object = None) -> None:
+            assert done == fresh == found.evaluations
+            seen.append(found)
+
+    tuned = tune(dispersed, "pd", seed=2, optimiser_seed=5, watcher=Noted(), **QUICK)
+    assert tuple(seen) == tuned.history
+    assert (tuned.starts, tuned.seed, tuned.optimiser_seed, tuned.evaluations, tuned.horizon) == (12, 2, 5, 40, 40.0)
+    assert tuned.law == "pd"
+    assert tuned.objective == TO_CAPTURE
+    assert tuned.initial.laws.pd.translation == dispersed.laws.pd.translation
+
+
 def test_the_result_is_never_worse_than_what_the_search_began_with(dispersed: Scenario) -> None:
     good = tune(dispersed, "prrl", **QUICK).scenario
     again = tune(good, "prrl", **(QUICK | {"budget": 1}))
@@ -248,8 +265,8 @@ def test_a_killed_search_goes_on_to_the_bit(tmp_path: Path, dispersed: Scenario)
 import os, signal, sys
 from detumble.analysis.tuning import Objective, tune
 class Killer:
-    def begin(self, budget): pass
-    def now(self, done, cost, share):
+    def begin(self, total): pass
+    def now(self, done, fresh, found):
         if done > 15: os.kill(os.getpid(), signal.SIGKILL)
 tune("paper_dispersed", "tsmc", seed=6, budget=40, starts=12, horizon=40.0,
      objective=Objective(until="captured"), record=sys.argv[1], watcher=Killer())
@@ -305,12 +322,12 @@ def test_one_search_at_a_time_works_in_a_folder(tmp_path: Path, dispersed: Scena
     refusals = []
 
     class Second:
-        def begin(self, budget: int) -> None:
+        def begin(self, total: int) -> None:
             with pytest.raises(RequestError) as refused:
                 tune(dispersed, "pd", record=tmp_path / "record.jsonl", **QUICK)
             refusals.append(str(refused.value))
 
-        def now(self, done: int, cost: float, share: float) -> None:
+        def now(self, done: int, fresh: int, found: object) -> None:
             pass
 
     tune(dispersed, "pd", record=tmp_path / "record.jsonl", watcher=Second(), **QUICK)

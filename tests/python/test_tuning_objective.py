@@ -10,8 +10,8 @@ import pytest
 import detumble
 from detumble.analysis.trials import Results
 from detumble.analysis.tuning.objective import Objective
-from detumble.campaigns.store.rows import CODES, DIVERGED, DWELL_MISSED, NEVER_CAPTURED, NOT_SETTLED
 from detumble.errors import RequestError
+from detumble.failures import CODES, DIVERGED, DWELL_MISSED, NEVER_CAPTURED, NOT_SETTLED
 
 CEILING = 100.0
 

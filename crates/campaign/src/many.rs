@@ -2,10 +2,12 @@
 
 use crate::fleet::Fleet;
 use detumble_core::batch::Batch;
-use detumble_core::case::Motion;
-use detumble_core::closed_loop::{Flight, Observer, Refill, fly};
+use detumble_core::closed_loop::{Refill, fly};
+use detumble_core::flight::Flight;
 use detumble_core::metrics::{Impulse, Metrics, Summary};
 use detumble_core::number::{Backend, Job, Mask, Real, Stream, dispatch};
+use detumble_core::observer::Observer;
+use detumble_core::plant::motion::Motion;
 use detumble_core::scene::{PreparedFlight, Scene};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 

@@ -2,12 +2,15 @@
 //! of the same flight in a fleet.
 
 use detumble_core::batch::Batch;
-use detumble_core::case::{FlightRecipe, Motion};
-use detumble_core::closed_loop::{Flight, Observer, Tick, fly_alone};
+use detumble_core::case::FlightRecipe;
+use detumble_core::closed_loop::fly_alone;
+use detumble_core::flight::Flight;
 use detumble_core::gnc::error::TrackingError;
 use detumble_core::history::{History, Merge, Series};
 use detumble_core::metrics::{Metrics, Summary};
 use detumble_core::number::{Backend, Job, Mask, Real, Stream, dispatch};
+use detumble_core::observer::{Observer, Tick};
+use detumble_core::plant::motion::Motion;
 use detumble_core::scene::{Common, PreparedFlight, Scene};
 use std::sync::atomic::{AtomicBool, Ordering};
 

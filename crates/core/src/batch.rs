@@ -243,6 +243,8 @@ macro_rules! batch_uniform {
     )*};
 }
 
+batch_uniform!(());
+
 /// Which law flies, and in which form, is a choice for a whole batch; anything else is a fault of the caller.
 #[cold]
 pub fn lanes_differ() -> ! {

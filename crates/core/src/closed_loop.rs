@@ -4,19 +4,24 @@
 //! command, saturate, and hold the wrench while the plant moves on to t_{k+1}.
 
 use crate::batch::Batch;
-use crate::batch_struct;
-use crate::case::Motion;
-use crate::gnc::capture::{CaptureState, Judged};
+use crate::flight::Flight;
+use crate::gnc::allocation;
+use crate::gnc::capture::Judged;
 use crate::gnc::error::TrackingError;
 use crate::gnc::guidance::{self, StackGoal, Target};
-use crate::gnc::laws::{Law, StackBelief, Told};
-use crate::hardware::actuators::actuate;
-use crate::hardware::sensors::sense;
+use crate::gnc::laws::{Law, LawInput, Seen, StackBelief};
+use crate::gnc::navigation::{self, Estimate};
+use crate::hardware::sensors::Sensed;
 use crate::number::{Mask, Quat, Real, Stream, Vec3};
+use crate::observer::{Observer, Tick};
+use crate::part::Part;
 use crate::plan::Plan;
+use crate::plant::body::Vehicle;
 use crate::plant::lvlh::Lvlh;
-use crate::plant::propagate::{Period, Vehicle, Wrench, WrenchFrame, propagate};
+use crate::plant::motion::Motion;
+use crate::plant::propagate::{Period, propagate};
 use crate::plant::stack::{Transition, merge_approximate, merge_conserving};
+use crate::plant::wrench::{Wrench, WrenchFrame};
 use crate::scene::{Scene, no_gains};
 
 /// What happens at one control tick of every lane, up to the wrench that is then held; and whose flight is over here.
@@ -45,16 +50,22 @@ fn control_tick<R: Real, O: Observer<R>>(
         }
     }
 
-    let seen = sense(&scene.numbers.case.sensors, scene.common.noisy, &flight.truth, noise, number);
-    let goal = guide(scene, flight, &seen, time);
-    let seen_error = TrackingError::between(&seen, &goal);
-    let (demand, frame) = command(scene, flight, &seen, &seen_error, &goal, number);
-    let applied = actuate(&scene.numbers.case.actuators, &demand, plan.saturation);
+    let sensed = Sensed { truth: &flight.truth, noise, tick: number };
+    let measured = scene.sensors().step(&mut flight.memory.sensors, sensed);
+    let estimate = navigation::Direct.step(&mut flight.memory.navigator, &measured);
+    let goal = guide(scene, flight, &estimate.motion, time);
+    let learnt = flight.memory.law;
+    let (demand, frame) = command(scene, flight, &estimate, &goal, number);
+    let commanded = allocation::Direct.step(&mut flight.memory.allocator, &demand);
+    let applied = scene.actuators().step(&mut flight.memory.actuators, &commanded);
+    if let (Some(memory), Some(before)) = (&mut flight.memory.law, &learnt) {
+        memory.hold(&applied, before);
+    }
 
     let flown = number.lt(R::splat(f64::from(plan.periods))) & flight.commanded();
     let tick = Tick { number, time, flown, target, judged, error, demand, applied };
     observer.observe(scene, flight, &tick);
-    (Held { wrench: applied, frame, since: time }, !flown | observer.over(scene, flight, &tick))
+    (Held { wrench: applied.wrench, frame, since: time }, !flown | observer.over(scene, flight, &tick))
 }
 
 /// A wrench held from a tick to the next.
@@ -127,6 +138,9 @@ fn merge<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, lanes: R::Mask, time
             StackBelief::Design => *after,
         };
         flight.law = Some(Law::choose(lanes, &after, law));
+        if let Some(memory) = &mut flight.memory.law {
+            after.hand_over(memory, lanes);
+        }
         for i in (0..R::LANES).filter(|&i| lanes.lane(i)) {
             flight.no_gains.set_lane(i, no_gains(&Batch::<R>::scatter(&after, i)));
         }
@@ -164,92 +178,23 @@ pub(crate) fn guide<R: Real>(scene: &Scene<R>, flight: &Flight<R>, motion: &Moti
 #[inline(always)]
 fn command<R: Real>(
     scene: &Scene<R>,
-    flight: &Flight<R>,
-    seen: &Motion<R>,
-    error: &TrackingError<R>,
+    flight: &mut Flight<R>,
+    estimate: &Estimate<R>,
     goal: &Target<R>,
     number: R,
 ) -> (Wrench<R>, WrenchFrame) {
-    match &flight.law {
-        Some(law) => {
-            let told = Told {
-                motion: seen,
+    match (&flight.law, &mut flight.memory.law) {
+        (Some(law), Some(memory)) => {
+            let input = LawInput {
+                seen: Seen::new(estimate, goal),
                 mean_motion: scene.numbers.case.orbit.mean_motion,
                 feedforward: scene.plan.goal.feeds_acceleration().then_some(goal.acceleration),
                 attitude_error: scene.plan.attitude_error,
+                period: R::splat(scene.plan.control_period),
             };
-            (law.command(error, &told), WrenchFrame::Command)
+            (law.step(memory, input), WrenchFrame::Command)
         }
-        None => scene.open_loop(number),
-    }
-}
-
-batch_struct! {
-    /// The state of a batch of flights.
-    pub struct Flight<R> {
-        /// The true motion; after capture the stack's.
-        pub truth: Motion<R>,
-        /// What flies: the chaser, after capture the stack.
-        pub vehicle: Vehicle<R>,
-        /// The law with the gains of each lane's phase; `None` in open loop.
-        pub law: Option<Law<R>>,
-        /// Capture so far.
-        pub capture: CaptureState<R>,
-        /// D -> C, fixed at capture.
-        pub mount: Quat<R>,
-        /// r_des of the stack \[m, H\].
-        pub stack_goal: Vec3<R>,
-        /// 1 where the law of this phase has no gains: a Riccati equation without a solution in double precision.
-        pub no_gains: R,
-    }
-}
-
-impl<R: Real> Flight<R> {
-    /// Lanes whose law can command; any other flight is over.
-    #[inline(always)]
-    pub fn commanded(&self) -> R::Mask {
-        !R::zero().lt(self.no_gains)
-    }
-}
-
-/// One control tick, for those who watch. The motion is the flight's, after the merge. Each lane has its own clock.
-#[derive(Clone, Copy, Debug)]
-pub struct Tick<R: Real> {
-    /// k
-    pub number: R,
-    /// t_k \[s\].
-    pub time: R,
-    /// Not the last tick of a whole flight, nor without a command. The wrench is flown, unless the observer says that the
-    /// flight is over.
-    pub flown: R::Mask,
-    /// The true goal.
-    pub target: Target<R>,
-    /// What capture was judged by, before the merge.
-    pub judged: Judged<R>,
-    /// The true error: against the debris before capture, against H after it.
-    pub error: TrackingError<R>,
-    /// Demanded by the law.
-    pub demand: Wrench<R>,
-    /// Given by the actuators.
-    pub applied: Wrench<R>,
-}
-
-/// Watches a flight and keeps what it wants of it.
-pub trait Observer<R: Real> {
-    /// Lanes are captured: the motion before any merge, and the true error against the debris (by value: a reference that
-    /// leaves the loop would keep it in memory at every tick).
-    fn captured(&mut self, scene: &Scene<R>, lanes: R::Mask, before: &Motion<R>, error: TrackingError<R>);
-
-    /// Lanes have just become stacks.
-    fn merged(&mut self, _lanes: R::Mask, _flight: &Flight<R>) {}
-
-    /// At each tick, after the merge and before the plant moves on.
-    fn observe(&mut self, scene: &Scene<R>, flight: &Flight<R>, tick: &Tick<R>);
-
-    /// Lanes whose flight is over before its last period.
-    #[inline(always)]
-    fn over(&self, _scene: &Scene<R>, _flight: &Flight<R>, _tick: &Tick<R>) -> R::Mask {
-        R::Mask::splat(false)
+        _ => scene.open_loop(number),
     }
 }
 

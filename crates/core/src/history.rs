@@ -1,10 +1,11 @@
 //! The full history of one flight: a row at every control tick, and what happened at capture.
 
-use crate::case::Motion;
-use crate::closed_loop::{Flight, Observer, Tick};
+use crate::flight::Flight;
 use crate::gnc::error::TrackingError;
 use crate::number::{Mask, Mat3, Real};
-use crate::plant::propagate::Wrench;
+use crate::observer::{Observer, Tick};
+use crate::plant::motion::Motion;
+use crate::plant::wrench::Wrench;
 use crate::scene::Scene;
 
 /// A named series with a fixed number of components, row by row.
@@ -124,7 +125,7 @@ impl<R: Real> Observer<R> for History {
                 ([0.0; 3], [0.0; 3])
             }
         };
-        let ((force_command, torque_command), (force, torque)) = (given(&tick.demand), given(&tick.applied));
+        let ((force_command, torque_command), (force, torque)) = (given(&tick.demand), given(&tick.applied.wrench));
         self.write(&[
             &[scene.clock.time_of(tick.number.lane(0) as u64)],
             &position,
@@ -150,29 +151,5 @@ impl<R: Real> Observer<R> for History {
     #[inline(always)]
     fn over(&self, _: &Scene<R>, _: &Flight<R>, _: &Tick<R>) -> R::Mask {
         R::Mask::splat(self.non_finite)
-    }
-}
-
-/// Two observers at once.
-impl<R: Real, A: Observer<R>, B: Observer<R>> Observer<R> for (A, B) {
-    fn captured(&mut self, scene: &Scene<R>, lanes: R::Mask, before: &Motion<R>, error: TrackingError<R>) {
-        self.0.captured(scene, lanes, before, error);
-        self.1.captured(scene, lanes, before, error);
-    }
-
-    fn merged(&mut self, lanes: R::Mask, flight: &Flight<R>) {
-        self.0.merged(lanes, flight);
-        self.1.merged(lanes, flight);
-    }
-
-    #[inline(always)]
-    fn observe(&mut self, scene: &Scene<R>, flight: &Flight<R>, tick: &Tick<R>) {
-        self.0.observe(scene, flight, tick);
-        self.1.observe(scene, flight, tick);
-    }
-
-    #[inline(always)]
-    fn over(&self, scene: &Scene<R>, flight: &Flight<R>, tick: &Tick<R>) -> R::Mask {
-        self.0.over(scene, flight, tick) | self.1.over(scene, flight, tick)
     }
 }

@@ -14,12 +14,14 @@
 //! | momentum | \|I ω\| of the stack about its centre of mass, ω against N |
 
 use crate::batch_struct;
-use crate::case::Motion;
-use crate::closed_loop::{Flight, Observer, Tick, guide};
+use crate::closed_loop::guide;
+use crate::flight::Flight;
 use crate::gnc::error::TrackingError;
 use crate::number::{Mask, Real, Vec3};
+use crate::observer::{Observer, Tick};
 use crate::plan::{End, Plan};
-use crate::plant::propagate::Wrench;
+use crate::plant::motion::Motion;
+use crate::plant::wrench::Wrench;
 use crate::scene::Scene;
 
 const NEVER: f64 = f64::INFINITY;
@@ -181,7 +183,7 @@ impl<R: Real> Metrics<R> {
     #[inline(always)]
     fn count_effort(&mut self, scene: &Scene<R>, tick: &Tick<R>, counts: R::Mask) {
         let period = R::splat(scene.plan.control_period);
-        let (demand, applied) = (&tick.demand, &tick.applied);
+        let (demand, applied) = (&tick.demand, &tick.applied.wrench);
         let (force, torque) = (applied.force.abs(), applied.torque.abs());
         let (force_demand, torque_demand) = (demand.force.abs(), demand.torque.abs());
         add(&mut self.impulse, counts, period, force);
@@ -192,9 +194,8 @@ impl<R: Real> Metrics<R> {
         raise(&mut self.peak_demand.force, counts, force_demand);
         raise(&mut self.peak_demand.torque, counts, torque_demand);
 
-        let limits = &scene.numbers.case.actuators;
-        grow(&mut self.saturated_force, counts & any_over(force_demand, limits.force), period);
-        grow(&mut self.saturated_torque, counts & any_over(torque_demand, limits.torque), period);
+        grow(&mut self.saturated_force, counts & any_axis(tick.applied.force_saturated), period);
+        grow(&mut self.saturated_torque, counts & any_axis(tick.applied.torque_saturated), period);
 
         let varies = counts & R::zero().lt(tick.number);
         grow(&mut self.force_variation, varies, (demand.force - self.previous.force).abs().sum());
@@ -322,8 +323,8 @@ fn raise<R: Real>(peak: &mut R, lanes: R::Mask, sizes: Vec3<R>) {
 }
 
 #[inline(always)]
-fn any_over<R: Real>(sizes: Vec3<R>, limits: Vec3<R>) -> R::Mask {
-    limits[0].lt(sizes[0]) | limits[1].lt(sizes[1]) | limits[2].lt(sizes[2])
+fn any_axis<M: Mask>([x, y, z]: [M; 3]) -> M {
+    x | y | z
 }
 
 /// |I ω| of what flies \[N m s\].
@@ -386,7 +387,7 @@ impl<R: Real> Observer<R> for Impulse<R> {
     #[inline(always)]
     fn observe(&mut self, scene: &Scene<R>, _flight: &Flight<R>, tick: &Tick<R>) {
         let period = R::select(tick.flown, R::splat(scene.plan.control_period), R::zero());
-        self.total = period.mul_add(tick.applied.force.abs().sum(), self.total);
+        self.total = period.mul_add(tick.applied.wrench.force.abs().sum(), self.total);
     }
 }
 

@@ -2,21 +2,26 @@
 
 use crate::batch::Batch;
 use crate::batch_struct;
-use crate::case::{Case, FlightRecipe, Motion};
+use crate::case::{Case, FlightRecipe};
 use crate::clock::Clock;
-use crate::closed_loop::Flight;
+use crate::flight::{Flight, Memory};
 use crate::gnc::capture::{CaptureState, CaptureTest, SettledTest};
 use crate::gnc::guidance::{self, Goal, GraspPoints, Target};
 use crate::gnc::laws::{Law, LawRecipe, MassProperties, Phase, Segment, Setting};
-use crate::hardware::sensors::Noisy;
+use crate::hardware::actuators::Actuators;
+use crate::hardware::sensors::{Noisy, Sensors};
 use crate::number::{Mask, Quat, Real, Vec3};
+use crate::part::Part;
 use crate::plan::Plan;
 use crate::plant::attitude::Inertia;
+use crate::plant::body::Vehicle;
 use crate::plant::lvlh::Lvlh;
+use crate::plant::motion::Motion;
 use crate::plant::orbit::HeldStep;
-use crate::plant::propagate::{Shapes, Surroundings, Vehicle, Wrench, WrenchFrame};
+use crate::plant::propagate::{Shapes, Surroundings};
 use crate::plant::stack::Transition;
 use crate::plant::top::{FreeTop, is_symmetric_top};
+use crate::plant::wrench::{Wrench, WrenchFrame};
 use std::sync::Arc;
 
 batch_struct! {
@@ -114,6 +119,13 @@ impl PreparedFlight {
             truth: case.start,
             vehicle: self.numbers.chaser,
             law: self.laws.before,
+            memory: Memory {
+                sensors: (),
+                navigator: (),
+                law: self.laws.before.as_ref().map(Part::begin),
+                allocator: (),
+                actuators: (),
+            },
             capture: CaptureState::open(),
             mount: Quat::identity(),
             stack_goal: case.goal.position,
@@ -196,6 +208,18 @@ impl<R: Real> Scene<R> {
         self.numbers.put(i, &prepared.numbers);
         Batch::<R>::put(&mut self.law_after, i, &prepared.laws.after);
         self.laws[i].clone_from(&prepared.laws);
+    }
+
+    /// The sensors.
+    #[inline(always)]
+    pub(crate) fn sensors(&self) -> Sensors<'_, R> {
+        Sensors { sigmas: &self.numbers.case.sensors, noisy: self.common.noisy }
+    }
+
+    /// The actuators.
+    #[inline(always)]
+    pub(crate) fn actuators(&self) -> Actuators<'_, R> {
+        Actuators { limits: &self.numbers.case.actuators, saturation: self.plan.saturation }
     }
 
     /// The goal of two separate bodies.

@@ -2,9 +2,9 @@
 
 use crate::{named_backend, recipe, sound_laws, watched};
 use detumble_campaign::{Column, Fleet, Operation, Outcome, fly_many as fly_fleet, fly_workload};
-use detumble_core::case::Motion;
 use detumble_core::metrics::Summary;
 use detumble_core::number::Backend;
+use detumble_core::plant::motion::Motion;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

@@ -1,7 +1,7 @@
 """Trials: laws and gains flown from the same starts through the same noise, many candidates in one batch.
 
 Run i of a trial is run i of the campaign of that scenario and seed, whatever law and gains fly it (common random numbers), so
-two candidates differ by what they do and not by what they met.
+two candidates differ only by their own commands.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 
 from detumble.campaigns.runs.draws import draw
 from detumble.campaigns.runs.overlay import overlay
-from detumble.campaigns.runs.workers import available_threads
-from detumble.campaigns.store.rows import SUCCESS
 from detumble.compiled import core
 from detumble.errors import ScenarioError
+from detumble.failures import SUCCESS
 from detumble.scenario.conversions import ticks
 from detumble.scenario.core import case
 from detumble.scenario.faults import validated
+from detumble.surroundings import available_threads
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -35,13 +35,12 @@ _BELIEFS = {"belief.chaser_inertia", "belief.stack_inertia"}
 
 @dataclass(frozen=True)
 class Change:
-    """What is made otherwise than the scenario says, to see who minds.
+    """A deviation from the scenario, to see how robust a law is.
 
     Attributes:
-        belief: the laws believe the inertias this many times as large as they would; a stack that they are told the truth of
-            stays as it is.
-        noise: the sensors are this many times as noisy.
-        control_period: s; None leaves it.
+        belief: factor on the inertias that the laws believe; where `belief.stack` is `true`, that of the stack stays true.
+        noise: factor on the noise of the sensors.
+        control_period: s; None is the scenario's.
     """
 
     belief: float = 1.0
@@ -51,11 +50,11 @@ class Change:
 
 @dataclass(frozen=True)
 class Results:
-    """What came of a trial; every array is (candidates, runs).
+    """Results of a trial; every array is (candidates, runs).
 
     Attributes:
-        failure: the core's code of why a run failed, see `campaigns.store.rows`; 0 is a success.
-        columns: the core's summary, by its name there: `capture_time`, `delta_v`, …; NaN where it did not happen.
+        failure: the core's code of why a run failed, see `detumble.failures`; 0 is a success.
+        columns: the core's summary, by its name there: `capture_time`, `delta_v`, …; NaN where the event did not happen.
     """
 
     failure: NDArray[np.uint8]
@@ -73,16 +72,16 @@ class Results:
 
 @dataclass(frozen=True)
 class Trials:
-    """Runs `first` to `first + count - 1` of a campaign, before any law is chosen.
+    """Runs `first` to `first + count - 1` of a campaign, independent of the law.
 
     Attributes:
-        scenario: what is flown, dispersions included.
+        scenario: nominal case and dispersions.
         seed: of dispersions and noise.
         first: index of the first run.
         count: number of runs.
-        horizon: s after which a flight is broken off; None flies the scenario's duration.
+        horizon: s, after which flights end; None is the scenario's duration.
         end: how flights end early, as `campaign.end`; None as the scenario says.
-        change: what is made otherwise.
+        change: deviation from the scenario.
     """
 
     scenario: Scenario
@@ -99,7 +98,7 @@ class Trials:
         return draw(self.scenario, self.seed, self.first, self.count)
 
     def columns(self, law: str) -> dict[str, Array]:
-        """Give the core's numbers that differ from run to run: by path, (runs, width)."""
+        """Give the inputs of the core that differ from run to run: by path, (runs, width)."""
         differing = overlay(self.scenario, law, self.drawn)
         for sensor in _SENSORS:
             path = f"sensors.{sensor}"
@@ -110,10 +109,10 @@ class Trials:
         return differing
 
     def nominal(self, law: str) -> dict[str, Any]:
-        """Give the case of the core, the change made.
+        """Give the case of the core with horizon, end and change applied.
 
         Raises:
-            ScenarioError: the scenario cannot be flown so.
+            ScenarioError: the scenario cannot be flown with the change.
         """
         plain = case(_timed(self.scenario, self.change.control_period), law, until_the_end=False)
         plan, sensors, belief = plain["plan"], plain["sensors"], plain["belief"]
@@ -144,10 +143,10 @@ class Trials:
                 one candidate with the scenario's own.
             threads: to use; None for all processors.
             backend: of the core; None for its choice.
-            progress: called now and then with the number of flights landed; an exception that it raises ends the work.
+            progress: called now and then with the number of flights done; an exception that it raises ends the work.
 
         Returns:
-            The same bits whatever the threads, and whichever candidates fly together.
+            Results that depend, to the bit, neither on the threads nor on which candidates fly together.
 
         Raises:
             ScenarioError: the scenario, or a candidate, cannot be flown.

@@ -1,4 +1,4 @@
-"""A campaign from its recipe to its result: shards are flown, written, counted, each in its turn."""
+"""A campaign from its recipe to its result: each shard is flown, written and counted."""
 
 from __future__ import annotations
 
@@ -11,19 +11,20 @@ from collections import deque
 from contextlib import closing, contextmanager
 from pathlib import Path
 from tempfile import mkdtemp
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
+from detumble.campaigns.recipe import SHARD, Recipe, arithmetic
 from detumble.campaigns.result import CampaignResult, Effort
-from detumble.campaigns.runs.recipe import SHARD, Recipe, arithmetic
-from detumble.campaigns.runs.workers import Threads
-from detumble.campaigns.statistics.statistics import Statistics
-from detumble.campaigns.store.folder import Store
+from detumble.campaigns.runs.threads import ThreadExecutor
+from detumble.campaigns.statistics.running import Statistics
+from detumble.campaigns.store.campaign_folder import Store
 from detumble.campaigns.store.shard import frame_of
-from detumble.checking import MOST_SEED, flag, met, plain, whole
+from detumble.checking import flag, met, plain, seed_number, thread_count, whole
 from detumble.compiled import check_gains, checked_backend
 from detumble.errors import RequestError
+from detumble.progress import Watcher
 from detumble.scenario.core import case
 from detumble.scenario.files import given
 from detumble.surroundings import check_polars
@@ -32,41 +33,12 @@ from detumble.writing import named_folder, reason
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from detumble.campaigns.runs.executor import PendingRuns, ShardExecutor
     from detumble.campaigns.runs.flying import Flown
-    from detumble.campaigns.runs.workers import Crew, Promise
     from detumble.scenario.model import Scenario
 
-_PATIENCE = 0.1
-"""Seconds between two looks at work in progress."""
-
-
-class Watcher(Protocol):
-    """Is told how a campaign gets on."""
-
-    def begin(self, runs: int) -> None:
-        """A campaign of so many runs begins."""
-        ...
-
-    def now(self, done: int, flown: int, statistics: Statistics) -> None:
-        """So many runs are done, of which so many were flown just now; successes are known of those in the statistics."""
-        ...
-
-    def remark(self, text: str) -> None:
-        """Something that a person ought to know."""
-        ...
-
-
-class Unwatched:
-    """Nobody looks."""
-
-    def begin(self, runs: int) -> None:
-        """Say nothing."""
-
-    def now(self, done: int, flown: int, statistics: Statistics) -> None:
-        """Say nothing."""
-
-    def remark(self, text: str) -> None:
-        """Say nothing."""
+_REPORT_INTERVAL = 0.1
+"""Seconds between two reports of progress."""
 
 
 def campaign(
@@ -100,7 +72,7 @@ def campaign(
         until_ci: stop once the half width of the 95 % interval of the success probability is no more than this.
         backend: `portable`, `avx2`, `avx512`; None takes the core's choice. Rows of the last two are the same.
         shard: runs that are flown, written and, after a break, kept as one. Rows do not depend on it.
-        watcher: is told how the campaign gets on.
+        watcher: follows the progress; `found` of `Watcher.now` are the statistics so far.
 
     Returns:
         Statistics, and the runs to be read back.
@@ -115,23 +87,23 @@ def campaign(
     law = scenario.laws.default if law is None else law
     runs, seed, shard = (
         whole("runs", runs, 1, 10**12),
-        whole("seed", seed, 0, MOST_SEED),
+        seed_number("seed", seed),
         whole("shard", shard, 1, 10**6),
     )
-    threads = None if threads is None else whole("threads", threads, 1, 4096)
+    threads = thread_count(threads)
     local_cluster = None if local_cluster is None else whole("local_cluster", local_cluster, 1, 4096)
     until_ci = None if until_ci is None else _half_width(until_ci)
     if sum(given is not None for given in (threads, local_cluster, scheduler)) > 1:
         raise RequestError("threads, scheduler and local_cluster: at most one of them says who flies")
     check_gains(scenario.title, case(scenario, law))
     recipe = Recipe(scenario.to_toml(), law, seed, shard=shard, arithmetic=arithmetic(checked_backend(backend)))
-    watcher = watcher or Unwatched()
-    crew = _crew(threads, scheduler, local_cluster, backend)
-    with closing(crew), _folder(out) as folder:
-        about = crew.about() | {"machine": platform.machine(), "system": platform.platform()}
+    watcher = watcher or Watcher()
+    executor = _executor(threads, scheduler, local_cluster, backend)
+    with closing(executor), _folder(out) as folder:
+        about = executor.about() | {"machine": platform.machine(), "system": platform.platform()}
         with Store.create(folder, recipe, runs, about=about, resume=resume) as store:
             runs = max(runs, store.flown())  # what is there already is counted too
-            statistics, effort = _fly(store, crew, runs, until_ci, watcher)
+            statistics, effort = _fly(store, executor, runs, until_ci, watcher)
         if out is None:
             atexit.register(shutil.rmtree, folder, ignore_errors=True)
         return CampaignResult(Store.open(folder), statistics, effort)
@@ -144,12 +116,14 @@ def _half_width(value: Any) -> float:
     return float(number)
 
 
-def _crew(threads: int | None, scheduler: str | None, local_cluster: int | None, backend: str | None) -> Crew:
+def _executor(
+    threads: int | None, scheduler: str | None, local_cluster: int | None, backend: str | None
+) -> ShardExecutor:
     if scheduler is None and local_cluster is None:
-        return Threads(threads, checked_backend(backend))
-    from detumble.campaigns.runs.cluster import Cluster
+        return ThreadExecutor(threads, checked_backend(backend))
+    from detumble.campaigns.runs.cluster import DaskExecutor
 
-    return Cluster(scheduler, local_cluster, backend)
+    return DaskExecutor(scheduler, local_cluster, backend)
 
 
 @contextmanager
@@ -171,48 +145,53 @@ def _folder(out: str | os.PathLike[str] | None) -> Iterator[Path]:
         raise
 
 
-def _fly(store: Store, crew: Crew, runs: int, until_ci: float | None, watcher: Watcher) -> tuple[Statistics, Effort]:
-    """Fly what is missing; shards are counted and written in their order, so that a campaign is whole up to some run."""
+def _fly(
+    store: Store, executor: ShardExecutor, runs: int, until_ci: float | None, watcher: Watcher
+) -> tuple[Statistics, Effort]:
+    """Fly the missing shards; shards are written and counted in order, so a campaign has no gap up to its last run."""
     statistics = Statistics.of(store.recipe.parsed)
     effort = Effort()
     began = time.perf_counter()
     watcher.begin(runs)
 
-    def tell() -> None:
-        watcher.now(statistics.runs + crew.landed(), effort.flown + crew.landed(), statistics)
+    def report() -> None:
+        completed = executor.completed_runs()
+        watcher.now(statistics.runs + completed, effort.flown + completed, statistics)
 
-    for number, work in _in_order(store, crew, runs, watcher):
+    for number, work in _in_order(store, executor, runs, watcher):
         if isinstance(work, pl.DataFrame):
             rows = work
         else:
-            flown = _awaited(work, tell)
+            flown = _awaited(work, report)
             rows = frame_of(flown.columns)
             store.write(number, rows)
             effort.count(rows.height, flown.ticks, flown.lane_ticks)
         statistics.add(rows)
-        tell()
+        report()
         if until_ci is not None and statistics.first_narrow_enough(until_ci) is not None:
             break
     effort.seconds = time.perf_counter() - began
     return statistics, effort
 
 
-def _in_order(store: Store, crew: Crew, runs: int, watcher: Watcher) -> Iterator[tuple[int, Promise | pl.DataFrame]]:
-    """Give every shard in order: its rows if the folder has them, else the promise of them; a few are always in hand."""
+def _in_order(
+    store: Store, executor: ShardExecutor, runs: int, watcher: Watcher
+) -> Iterator[tuple[int, PendingRuns | pl.DataFrame]]:
+    """Give each shard in order: its rows if the folder has them, else the pending runs; a few are submitted ahead."""
     recipe = store.recipe
-    ahead: deque[tuple[int, Promise | pl.DataFrame]] = deque()
+    ahead: deque[tuple[int, PendingRuns | pl.DataFrame]] = deque()
     for number in range(recipe.shards(runs)):
         span = recipe.runs_of(number, runs)
         rows = store.find(number, len(span), watcher.remark)
-        ahead.append((number, crew.submit(recipe, span.start, len(span)) if rows is None else rows))
-        if len(ahead) >= crew.ahead:
+        ahead.append((number, executor.submit(recipe, span.start, len(span)) if rows is None else rows))
+        if len(ahead) >= executor.ahead:
             yield ahead.popleft()
     yield from ahead
 
 
-def _awaited(work: Promise, glance: Callable[[], None]) -> Flown:
+def _awaited(work: PendingRuns, report: Callable[[], None]) -> Flown:
     while True:
         try:
-            return work.result(_PATIENCE)
+            return work.result(_REPORT_INTERVAL)
         except TimeoutError:
-            glance()
+            report()

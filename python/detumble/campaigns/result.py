@@ -7,19 +7,19 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from detumble.campaigns.statistics.statistics import Statistics
-from detumble.campaigns.store.folder import Store
+from detumble.campaigns.statistics.running import Statistics
+from detumble.campaigns.store.campaign_folder import Store
 from detumble.errors import RequestError
-from detumble.flight import INSIDE, cut_off
 from detumble.scenario.accuracy import coarse_step
 from detumble.scenario.hints import warnings
+from detumble.simulation import INSIDE, cut_off
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Sequence
     from pathlib import Path
 
-    from detumble.campaigns.runs.recipe import Recipe
+    from detumble.campaigns.recipe import Recipe
     from detumble.campaigns.statistics.sensitivity import Sensitivity
     from detumble.campaigns.store.table import Runs
     from detumble.flight import Flight
@@ -173,9 +173,9 @@ class CampaignResult:
         Raises:
             RequestError: there are no such inputs, SALib is not installed, or a file cannot be written.
         """
-        from detumble.show.campaign.pictures import draw
+        from detumble.campaigns.pictures import draw
 
-        return draw(self, over, target)
+        return draw(self.store, self.statistics, over, target)
 
     def to_json(self) -> dict[str, Any]:
         """Give everything in one object, as `detumble campaign --json` prints it."""

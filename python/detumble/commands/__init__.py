@@ -1,1 +1,1 @@
-"""The commands, one a file. What is heavy is imported inside them, so that the others start at once."""
+"""The commands, one a file. Modules that take long to import are imported inside them, so that the other commands start fast."""

@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from detumble import __version__
 from detumble.commands.bench import bench
 from detumble.commands.bound import bound
 from detumble.commands.campaign import campaign
@@ -16,6 +15,7 @@ from detumble.commands.run import run
 from detumble.commands.scenarios import scenarios
 from detumble.commands.schema import schema
 from detumble.commands.tune import tune
+from detumble.version import __version__
 
 app = typer.Typer(
     name="detumble",

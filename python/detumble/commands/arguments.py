@@ -1,9 +1,11 @@
-"""Arguments that several commands take."""
+"""Arguments and options that several commands take, and how they are read."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from detumble.commands.printing import remark
 from detumble.errors import RequestError
@@ -12,6 +14,30 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from detumble.scenario.model import Scenario
+
+LAWS = "pd, lqr, sosmc, tsmc, prrl"
+"""Names for the help of --law; the register of the laws takes too long to import for that."""
+
+SCENARIO = typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")
+ScenarioName = Annotated[str, SCENARIO]
+More = Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")]
+"""Settings that follow the first one of --set without an option of their own."""
+Settings = Annotated[
+    list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
+]
+Law = Annotated[str | None, typer.Option(help=f"{LAWS}, or none for open loop.  [prrl, or the only one given]")]
+Threads = Annotated[int | None, typer.Option(help="Threads to use; all processors by default.")]
+Backend = Annotated[str | None, typer.Option(help="portable, avx2 or avx512; else the core chooses.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+
+def out_option(what: str) -> Any:
+    """Make the option --out, a folder.
+
+    Args:
+        what: the help: what is written there.
+    """
+    return typer.Option(parser=folder, metavar="DIR", help=what)
 
 
 def folder(text: str) -> Path:
@@ -25,19 +51,24 @@ def folder(text: str) -> Path:
     return Path(text)
 
 
-def scenario_of(name: str, settings: Sequence[str], *, quiet: bool = False) -> Scenario:
-    """Read the scenario that a command was given, with the fields changed that were set there.
+def scenario_of(
+    name: str, settings: Sequence[str] | None, more: Sequence[str] | None, *, quiet: bool = False
+) -> Scenario:
+    """Read the scenario that a command was given, with its settings.
 
     Args:
         name: of a built-in scenario, or the path of a file.
-        settings: `field=value` each.
-        quiet: leave what ought to be looked at again to the command, which says it of the flight.
+        settings: of --set, `field=value` each.
+        more: further ones, see `More`.
+        quiet: print no warnings of the scenario; the command prints those of the flight, which include them.
 
     Raises:
-        ScenarioError: it cannot be read, or contradicts itself.
+        RequestError: a field is set twice.
+        ScenarioError: the scenario cannot be read, or contradicts itself.
     """
     from detumble.scenario.files import load, with_settings
 
+    settings = [*(settings or ()), *(more or ())]
     fields = [setting.partition("=")[0].strip() for setting in settings]
     twice = next((field for field in fields if fields.count(field) > 1), None)
     if twice is not None:

@@ -5,21 +5,21 @@ from __future__ import annotations
 import os
 import statistics
 import time
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-
-from detumble.commands.printing import print_json, remark, table
+from detumble.commands.arguments import AsJson
+from detumble.commands.printing import print_json, remark
+from detumble.tables import table
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 REPEATS = 5
 SECONDS = 0.4
-"""Length of one timed repeat: long against a scheduler's slice."""
+"""Length of one timed repeat, s: long compared with a scheduler's time slice."""
 
 
-def bench(as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False) -> None:
+def bench(as_json: AsJson = False) -> None:
     """Measure how many trajectory-steps of workload W this machine flies a second."""
     from detumble.compiled import core
     from detumble.workload import FLOP_PER_STEP
@@ -75,7 +75,7 @@ def _steps_per_second(backend: str, threads: int) -> float:
 
 
 def _fma_flops(backend: str) -> float:
-    """Measure the peak of one core, flop/s: the best of the repeats, since a peak is what is never exceeded."""
+    """Measure the peak of one core, flop/s: the best of the repeats, since a peak is never exceeded."""
     from detumble.compiled import core
 
     iterations = 1_000_000

@@ -7,25 +7,26 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from detumble.commands.arguments import folder, scenario_of
+from detumble.commands.arguments import AsJson, More, ScenarioName, Settings, out_option, scenario_of
 from detumble.commands.bounds_of_runs import bounds_of_runs, summary, text_of_runs, write_runs
-from detumble.commands.printing import fixed, json_text, print_json, remark, table
+from detumble.commands.printing import json_text, print_result, remark, remark_written
 from detumble.errors import RequestError
+from detumble.tables import fixed, table
 
 if TYPE_CHECKING:
     from detumble.analysis.bounds.bound import Bounds
-    from detumble.analysis.bounds.tumble import Array
+    from detumble.quaternions import Array
     from detumble.scenario.model import Scenario
 
 
 TABLES = ("translation.csv", "least_delta_v.csv", "attitude.csv")
 FILES = ("bound.json", "bounds.parquet", "scenario.toml", "bound.png", *TABLES)
-"""Written into --out, as far as there is something to write."""
+"""Patterns of what is written into --out."""
 
 
 def bound(
-    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")],
-    more: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")] = None,
+    scenario: ScenarioName,
+    more: More = None,
     within: Annotated[
         float | None, typer.Option(metavar="SECONDS", help="Least Δv to capture within this time.  [the duration]")
     ] = None,
@@ -36,25 +37,21 @@ def bound(
         bool, typer.Option("--quick", help="With --runs: the lower bound of the capture time alone, milliseconds each.")
     ] = False,
     seed: Annotated[int | None, typer.Option(help="Seed of the campaign.  [0]")] = None,
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(parser=folder, metavar="DIR", help="Write bounds and trajectories here.")
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    settings: Settings = None,
+    out: Annotated[Path | None, out_option("Write bounds and trajectories here.")] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Bound what any controller could do: the fastest capture, the least Δv, the least time to detumble."""
     from detumble.analysis.bounds.bound import bound as bounds_of
-    from detumble.flight import INSIDE
     from detumble.results import results_folder
+    from detumble.simulation import INSIDE
     from detumble.surroundings import check_polars
 
     if out:
         check_polars()  # which writes the tables
     if (quick or seed is not None) and runs is None:
         raise RequestError("--quick and --seed: need --runs, the number of runs of the campaign")
-    chosen = scenario_of(scenario, [*(settings or ()), *(more or ())])
+    chosen = scenario_of(scenario, settings, more)
     with results_folder(out, FILES, scenario, stale=FILES):
         if runs is not None:
             seed = 0 if seed is None else seed
@@ -69,12 +66,8 @@ def bound(
                 remark(f"warning: {INSIDE}")
             if chosen.dispersions:
                 remark(f"nominal values bounded: --runs takes the {len(chosen.dispersions)} dispersions into account")
-    if as_json:
-        print_json(result | {"scenario": chosen.title, "files": [str(file) for file in files]})
-    else:
-        print(text)
-    for file in files:
-        remark(f"written: {file}")
+    print_result(as_json, result | {"scenario": chosen.title}, lambda: text, files)
+    remark_written(files)
 
 
 def _text(scenario: Scenario, found: Bounds) -> str:
@@ -121,7 +114,7 @@ def _write(scenario: Scenario, found: Bounds, out: Path) -> list[Path]:
 
 
 def _table(path: Path, times: Array, states: dict[str, Array], held: str, control: Array) -> Path:
-    """Write a trajectory: a row for each time, the control from then on; none at the last."""
+    """Write a trajectory: a row for each time, with the control from then on; the last row has none."""
     import numpy as np
     import polars as pl
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from detumble.commands.printing import fixed, table
+from detumble.tables import fixed, table
 
 if TYPE_CHECKING:
     from pathlib import Path
     from typing import Any
 
-    from detumble.analysis.bounds.tumble import Array
+    from detumble.quaternions import Array
     from detumble.scenario.model import Scenario
 
 QUANTILES = (("min", 0.0), ("p05", 0.05), ("p50", 0.5), ("p95", 0.95), ("max", 1.0))
@@ -25,7 +25,7 @@ ENDINGS = {"lower": "no less than", "upper": "done in", "matched": "after a perf
 
 
 def bounds_of_runs(scenario: Scenario, runs: int, seed: int, within: float | None, quick: bool) -> dict[str, Array]:
-    """Bound the first runs of the campaign, with a line that tells how far it is."""
+    """Bound the first runs of the campaign, with a progress line."""
     from detumble.analysis.bounds.bound import time_within
     from detumble.analysis.bounds.pursuit import Pursuit
     from detumble.analysis.bounds.runs import all_bounds, capture_bounds
@@ -36,15 +36,11 @@ def bounds_of_runs(scenario: Scenario, runs: int, seed: int, within: float | Non
     runs, seed = whole("runs", runs, 1, 10**7), whole("seed", seed, 0, MOST_SEED)
     trials = Trials(scenario, seed, 0, runs)
     until = time_within(Pursuit.of(trials.nominal("none")), within)
-    with Line(None) as line:
+    with Line(None, "runs") as line:
         line.begin(runs)
-
-        def tell(done: int) -> None:
-            line.draw(done, done, "runs", "")
-
         if quick:
-            return {"capture_time_s.lower": capture_bounds(trials, progress=tell)}
-        return all_bounds(trials, until, progress=tell)
+            return {"capture_time_s.lower": capture_bounds(trials, progress=line.now)}
+        return all_bounds(trials, until, progress=line.now)
 
 
 def summary(values: dict[str, Array]) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""`detumble campaign`: many runs of one scenario, its uncertain numbers drawn anew for each, and what they show."""
+"""`detumble campaign`: many runs of one scenario with dispersed numbers, and their statistics."""
 
 from __future__ import annotations
 
@@ -8,20 +8,31 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from detumble.campaigns import FIGURES
-from detumble.commands.arguments import folder, scenario_of
-from detumble.commands.printing import fixed, json_text, print_json, remark, table
+from detumble.commands.arguments import (
+    AsJson,
+    Backend,
+    Law,
+    More,
+    ScenarioName,
+    Settings,
+    Threads,
+    out_option,
+    scenario_of,
+)
+from detumble.commands.printing import json_text, print_result, remark, remark_written
 from detumble.errors import RequestError
+from detumble.tables import fixed, table
 
 if TYPE_CHECKING:
     from detumble.campaigns.result import CampaignResult
-    from detumble.campaigns.statistics.statistics import Statistics
+    from detumble.campaigns.statistics.running import Statistics
     from detumble.scenario.model import Scenario
 
 FILES = ("summary.json", *FIGURES)
 """Written into --out beside the runs."""
 DEFAULT_RUNS = 1000
 MOST_RUNS = 1_000_000
-"""Unless told otherwise, until the interval is narrow enough."""
+"""Default of --runs with --until-ci."""
 SHOWN = (
     ("capture_time_s", "capture", "s", 1),
     ("settling_time_s", "settling", "s", 1),
@@ -31,21 +42,16 @@ SHOWN = (
 
 
 def campaign(
-    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")],
-    out: Annotated[Path, typer.Option(parser=folder, metavar="DIR", help="Folder of the campaign.")],
-    more: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")] = None,
-    law: Annotated[
-        str | None,
-        typer.Option(help="pd, lqr, sosmc, tsmc, prrl, or none for open loop.  [prrl, or the only one given]"),
-    ] = None,
+    scenario: ScenarioName,
+    out: Annotated[Path, out_option("Folder of the campaign.")],
+    more: More = None,
+    law: Law = None,
     runs: Annotated[
         int | None, typer.Option(help="Number of runs; with --until-ci the most to fly.  [1000, or 1000000]")
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of all random numbers.")] = 0,
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
-    ] = None,
-    threads: Annotated[int | None, typer.Option(help="Threads to use; all processors by default.")] = None,
+    settings: Settings = None,
+    threads: Threads = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers fly: tcp://host:8786")
     ] = None,
@@ -62,25 +68,25 @@ def campaign(
         list[str] | None,
         typer.Option("--map", metavar="COLUMN", help="Give it twice: the two columns of the success map."),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
-    backend: Annotated[str | None, typer.Option(help="portable, avx2 or avx512; else the core chooses.")] = None,
+    as_json: AsJson = False,
+    backend: Backend = None,
 ) -> None:
     """Fly a scenario many times and say how surely, how fast and at what cost it captures."""
     from detumble.surroundings import check_polars
 
-    check_polars()  # before polars is imported, which has warnings of its own to that
+    check_polars()  # before polars is imported, which prints warnings of its own
     from detumble.campaigns.campaign import campaign as fly
-    from detumble.commands.progress import Progress
+    from detumble.commands.progress import Line
     from detumble.results import refuse_foreign, results_folder
     from detumble.writing import write_text
 
-    chosen = scenario_of(scenario, [*(settings or ()), *(more or ())])
+    chosen = scenario_of(scenario, settings, more)
     refuse_foreign(out, FILES, scenario)
     if over and not figures:
         raise RequestError("--map: needs --figures")
     if figures:
         _check_figures(chosen, tuple(over or ()))
-    with Progress(out) as progress:
+    with Line(out, "runs", _success) as line:
         result = fly(
             chosen,
             law,
@@ -93,31 +99,27 @@ def campaign(
             resume=resume,
             until_ci=until_ci,
             backend=backend,
-            watcher=progress,
+            watcher=line,
         )
     with results_folder(out, FILES, stale=FILES if result.effort.flown or figures else ()):
         write_text(out / "summary.json", json_text(result.to_json()) + "\n")
         drawn = result.figures(tuple(over or ()), until_ci) if figures else []
-    if as_json:
-        print_json(result.to_json() | {"files": [str(file) for file in drawn]})
-    else:
-        print(_text(result))
+    print_result(as_json, result.to_json(), lambda: _text(result), drawn)
     half_width = result.statistics.success.half_width
     if until_ci is not None and half_width > until_ci:
         remark(
             f"the interval is still {half_width:.3g} to either side, not {until_ci:g}: --resume with more --runs goes on"
         )
     for warning in result.warnings:
-        if warning not in chosen.warnings:  # those were said before
+        if warning not in chosen.warnings:  # those were printed before
             remark(f"warning: {warning}")
-    for file in drawn:
-        remark(f"written: {file}")
+    remark_written(drawn)
     if result.statistics.broken_off == result.statistics.runs:
         raise typer.Exit(1)
 
 
 def _runs(asked: int | None, until_ci: float | None, resumed: Path | None) -> int:
-    """Say how many runs are flown at most: as many as the campaign that is continued was to have, unless told otherwise."""
+    """Give the number of runs: as asked for, else that of the campaign that is continued, else the default."""
     from detumble.campaigns.store.manifest import MANIFEST, read_manifest
 
     if asked is not None:
@@ -128,13 +130,19 @@ def _runs(asked: int | None, until_ci: float | None, resumed: Path | None) -> in
 
 
 def _check_figures(scenario: Scenario, over: tuple[str, ...]) -> None:
-    """Make sure, before anything is flown, that the pictures can be drawn."""
+    """Check, before anything is flown, that the figures can be drawn."""
+    from detumble.campaigns.pictures import check_map
     from detumble.campaigns.statistics.sensitivity import pawn
-    from detumble.show.campaign.pictures import check_map
 
     check_map(scenario, over)
     if scenario.dispersions:
         pawn()
+
+
+def _success(statistics: Statistics) -> str:
+    """Give the success of the runs so far, for the progress line."""
+    estimate = statistics.success
+    return f"success {100 * estimate.share:.2f} ± {100 * estimate.half_width:.2f} %" if statistics.runs else ""
 
 
 def _text(result: CampaignResult) -> str:

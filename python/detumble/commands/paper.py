@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from detumble.commands.arguments import folder
-from detumble.commands.printing import fixed, json_text, print_json, remark, table
+from detumble.commands.arguments import AsJson, out_option
+from detumble.commands.printing import json_text, print_result, remark
+from detumble.tables import fixed, table
 
 if TYPE_CHECKING:
     from detumble.flight import Flight
@@ -19,17 +20,15 @@ FILES = ("paper.json", "scenario.toml", "fig[1-9]_*.png", "fig[1-9]_*.svg")
 
 
 def paper(
-    out: Annotated[
-        Path | None, typer.Option(parser=folder, metavar="DIR", help="Write figures, numbers and scenario here.")
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    out: Annotated[Path | None, out_option("Write figures, numbers and scenario here.")] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Fly the paper's case under its five laws and compare."""
     from detumble.analysis.bounds.earliest import minimum_capture_time
-    from detumble.flight import simulate
     from detumble.results import results_folder
     from detumble.scenario.files import load
     from detumble.scenario.paper import PUBLISHED_CAPTURE_TIMES
+    from detumble.simulation import simulate
 
     scenario = load(SCENARIO)
     with results_folder(out, FILES):
@@ -37,10 +36,7 @@ def paper(
         minimum = float(minimum_capture_time(scenario))
         result = {"laws": {law: _numbers(law, flight, minimum) for law, flight in flights.items()}}
         files = _write(flights, result, minimum, out) if out else []
-    if as_json:
-        print_json({**result, "files": [str(file) for file in files]})
-    else:
-        print(_text(flights, minimum))
+    print_result(as_json, result, lambda: _text(flights, minimum), files)
     for law, flight in flights.items():
         for warning in flight.warnings:
             remark(f"warning: {law}: {warning}")

@@ -1,4 +1,4 @@
-"""What commands print: tables for people, one object for programs, remarks beside both."""
+"""What commands print beside tables: one JSON object on standard output, remarks on standard error."""
 
 from __future__ import annotations
 
@@ -11,12 +11,27 @@ from typing import TYPE_CHECKING, Any
 from detumble.text import printable
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping
+    from pathlib import Path
 
 
 def print_json(values: Mapping[str, Any]) -> None:
     """Print one JSON object on standard output; what is not finite becomes null."""
     print(json_text(values))
+
+
+def print_result(as_json: bool, numbers: Mapping[str, Any], text: Callable[[], str], files: Iterable[Path]) -> None:
+    """Print what a command found: the numbers and the paths of the files as one JSON object, or else the text."""
+    if as_json:
+        print_json({**numbers, "files": [str(file) for file in files]})
+    else:
+        print(text())
+
+
+def remark_written(files: Iterable[Path]) -> None:
+    """Remark each file that was written."""
+    for file in files:
+        remark(f"written: {file}")
 
 
 def json_text(values: Mapping[str, Any]) -> str:
@@ -35,39 +50,6 @@ def _finite(value: Any) -> Any:
 
 
 def remark(text: str) -> None:
-    """Tell a person something without touching standard output; where nobody can be told, nothing is lost."""
+    """Print a line on standard error; nothing happens where that cannot be written."""
     with suppress(OSError):
         print(printable(text), file=sys.stderr)
-
-
-def table(rows: Sequence[Sequence[str]], *, header: bool = True) -> str:
-    """Align columns: the first to the left, the others to the right, a rule under the header.
-
-    Args:
-        rows: cells; all rows of one length.
-        header: the first row names the columns.
-
-    Returns:
-        The lines.
-    """
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    lines = [
-        "  ".join(
-            cell.ljust(width) if column == 0 else cell.rjust(width)
-            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
-    if header:
-        lines.insert(1, "  ".join("─" * width for width in widths))
-    return "\n".join(lines)
-
-
-def cell(value: float | None, digits: int = 3) -> str:
-    """Write a number for a table; a dash for what did not happen."""
-    return "–" if value is None or not math.isfinite(value) else f"{value:.{digits}g}"
-
-
-def fixed(value: float | None, decimals: int) -> str:
-    """Write a number with a fixed number of decimals; a dash for what did not happen."""
-    return "–" if value is None or not math.isfinite(value) else f"{value:.{decimals}f}"

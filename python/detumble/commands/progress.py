@@ -1,35 +1,39 @@
-"""How long work gets on, on the terminal: share, rate, time left, what is known so far. Silent where nobody looks."""
+"""Progress on the terminal: share, rate, time left, result so far. Nothing is drawn where standard error is no terminal."""
 
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
+import time
+from typing import TYPE_CHECKING, Any
 
 from detumble.commands.printing import remark
+from detumble.progress import Watcher
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
     from types import TracebackType
     from typing import Self
 
-    from detumble.campaigns.statistics.statistics import Statistics
 
-
-class Line:
-    """A line at the bottom of the terminal, in `with`; on Ctrl-C it says how to go on.
+class Line(Watcher):
+    """A line at the bottom of the terminal, in `with`; after Ctrl-C it says how to continue.
 
     Args:
-        folder: that keeps the work; None where nothing is kept.
+        folder: that keeps the work for --resume; None where nothing is kept.
+        unit: what is counted, for the rate; empty shows no rate.
+        describe: gives the result so far, the argument `found` of `Watcher.now`, in words.
     """
 
-    def __init__(self, folder: Path | None) -> None:
+    def __init__(self, folder: Path | None, unit: str = "", describe: Callable[[Any], str] | None = None) -> None:
         from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
-        from rich.progress import Progress as Bar
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-        self._folder = folder
-        self._begun = False
-        self._bar = Bar(
+        self._folder, self._unit, self._describe = folder, unit, describe
+        self._title = ""
+        self._began: float | None = None
+        self._bar = Progress(
+            TextColumn("{task.description}", markup=False),
             BarColumn(),
             MofNCompleteColumn(),
             TextColumn("{task.fields[rate]}"),
@@ -39,28 +43,27 @@ class Line:
             transient=True,
             disable=not sys.stderr.isatty(),
         )
+        self._task = self._bar.add_task("", total=None, rate="", found="")
+
+    def stage(self, title: str) -> None:
+        """Name the part of the work that begins."""
+        self._title = title
 
     def begin(self, total: int) -> None:
         """Draw the empty bar."""
-        import time
-
-        self._begun = True
         self._began = time.perf_counter()
-        self._task = self._bar.add_task("", total=total, rate="", found="")
+        self._bar.reset(self._task, total=total, description=self._title, rate="", found="")
 
-    def draw(self, done: int, fresh: int, unit: str, found: str) -> None:
-        """Draw the bar anew.
-
-        Args:
-            done: of the total.
-            fresh: of these, how many were done since the bar was begun.
-            unit: what is counted, for the rate.
-            found: what is known so far.
-        """
-        import time
-
-        rate = f"{fresh / max(1e-9, time.perf_counter() - self._began):.0f} {unit}/s" if fresh else ""
-        self._bar.update(self._task, completed=done, rate=rate, found=found)
+    def now(self, done: int, fresh: int | None = None, found: Any = None) -> None:
+        """Draw the bar anew."""
+        if self._bar.disable or self._began is None:
+            return
+        fresh = done if fresh is None else fresh
+        rate = (
+            f"{fresh / max(1e-9, time.perf_counter() - self._began):.0f} {self._unit}/s" if fresh and self._unit else ""
+        )
+        said = self._describe(found) if self._describe and found is not None else ""
+        self._bar.update(self._task, completed=done, rate=rate, found=said)
 
     def remark(self, text: str) -> None:
         """Print a line above the bar."""
@@ -77,34 +80,5 @@ class Line:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._bar.stop()
-        if self._begun and self._folder and isinstance(error, SystemExit | KeyboardInterrupt):
+        if self._began is not None and self._folder and isinstance(error, SystemExit | KeyboardInterrupt):
             remark(f"stopped; the same command with --resume continues it: {self._folder}")
-
-
-class Progress(Line):
-    """Of a campaign."""
-
-    def now(self, done: int, flown: int, statistics: Statistics) -> None:
-        """Draw the bar anew."""
-        success = ""
-        if statistics.runs:
-            estimate = statistics.success
-            success = f"success {100 * estimate.share:.2f} ± {100 * estimate.half_width:.2f} %"
-        self.draw(done, flown, "runs", success)
-
-
-class SearchProgress(Line):
-    """Of a search for gains.
-
-    Args:
-        folder: that keeps the record; None where there is none.
-        unit: of the cost.
-    """
-
-    def __init__(self, folder: Path | None, unit: str) -> None:
-        super().__init__(folder)
-        self._unit = unit
-
-    def now(self, done: int, cost: float, share: float) -> None:
-        """Draw the bar anew."""
-        self.draw(done, done, "candidates", f"best {cost:.4g} {self._unit}, success {100 * share:.1f} %")

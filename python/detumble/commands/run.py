@@ -7,26 +7,24 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from detumble.commands.arguments import folder, scenario_of
-from detumble.commands.printing import cell, json_text, print_json, remark, table
+from detumble.commands.arguments import SCENARIO, AsJson, Backend, Law, More, Settings, out_option, scenario_of
+from detumble.commands.printing import json_text, print_result, remark, remark_written
 from detumble.errors import RequestError
+from detumble.tables import cell, table
 
 if TYPE_CHECKING:
     from detumble.flight import Flight
 
 FILES = ("flight.nc", "scenario.toml", "metrics.json", "flight.png")
-"""Written into --out."""
+"""Files that are written into --out."""
 ALWAYS_SHOWN = ("capture_time", "settling_time")
-"""That these did not happen is news; that what follows from them did not either is none."""
+"""Metrics that are shown as a dash where they did not happen; others are left out."""
 
 
 def run(
-    scenario: Annotated[str | None, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")] = None,
-    more: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")] = None,
-    law: Annotated[
-        str | None,
-        typer.Option(help="pd, lqr, sosmc, tsmc, prrl, or none for open loop.  [prrl, or the only one given]"),
-    ] = None,
+    scenario: Annotated[str | None, SCENARIO] = None,
+    more: More = None,
+    law: Law = None,
     seed: Annotated[int | None, typer.Option(help="Seed of the sensor noise.  [0]")] = None,
     index: Annotated[int, typer.Option(help="Number of the trajectory under that seed: each has its own noise.")] = 0,
     replay: Annotated[
@@ -38,26 +36,21 @@ def run(
             metavar="FLIGHT.nc", help="Fly the commands that a flight recorded again, without sensors and law."
         ),
     ] = None,
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(parser=folder, metavar="DIR", help="Write flight, scenario and metrics here.")
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
-    backend: Annotated[str | None, typer.Option(help="portable, avx2 or avx512; else the core chooses.")] = None,
+    settings: Settings = None,
+    out: Annotated[Path | None, out_option("Write flight, scenario and metrics here.")] = None,
+    as_json: AsJson = False,
+    backend: Backend = None,
 ) -> None:
     """Fly one scenario once and say what came of it."""
     from detumble import recorded
-    from detumble.flight import simulate
     from detumble.results import results_folder
+    from detumble.simulation import simulate
 
-    changes = [*(settings or ()), *(more or ())]
     if sum(given is not None for given in (scenario, replay, replay_wrench)) != 1:
         raise RequestError("run: needs one of a scenario, --replay DIR:INDEX and --replay-wrench FLIGHT.nc")
     with results_folder(out, FILES, scenario or replay_wrench or ""):
         if scenario is None:
-            if changes or index or law is not None or seed is not None:
+            if settings or more or index or law is not None or seed is not None:
                 option = "--replay: flies a run" if replay_wrench is None else "--replay-wrench: flies a flight"
                 raise RequestError(f"{option} as it was; neither law nor seed nor field can be set")
             flight = (
@@ -66,19 +59,15 @@ def run(
                 else recorded.replay_wrench(replay_wrench, backend=backend)
             )
         else:
-            chosen = scenario_of(scenario, changes, quiet=True)
+            chosen = scenario_of(scenario, settings, more, quiet=True)
             flight = simulate(chosen, law, 0 if seed is None else seed, index=index, backend=backend)
             if chosen.dispersions:
                 remark(f"nominal values flown: {len(chosen.dispersions)} dispersions are for detumble campaign")
         files = _write(flight, out) if out else []
-    if as_json:
-        print_json(_json(flight, files))
-    else:
-        print(_text(flight))
+    print_result(as_json, _json(flight), lambda: _text(flight), files)
     for warning in flight.warnings:
         remark(f"warning: {warning}")
-    for file in files:
-        remark(f"written: {file}")
+    remark_written(files)
     if flight.broken_off:
         raise typer.Exit(1)
 
@@ -86,7 +75,7 @@ def run(
 def _again(replay: str, backend: str | None) -> Flight:
     """Fly the run DIR:INDEX of a campaign."""
     from detumble.campaigns.runs.flying import checked_index, fly_again
-    from detumble.campaigns.store.folder import Store
+    from detumble.campaigns.store.campaign_folder import Store
 
     directory, colon, index = replay.rpartition(":")
     if not (colon and directory and index.isdecimal()):
@@ -95,7 +84,7 @@ def _again(replay: str, backend: str | None) -> Flight:
     return fly_again(store.recipe, checked_index(int(index), store.runs), backend=backend)
 
 
-def _json(flight: Flight, files: list[Path]) -> dict[str, object]:
+def _json(flight: Flight) -> dict[str, object]:
     return {
         "scenario": flight.scenario.title,
         "law": flight.law,
@@ -106,7 +95,6 @@ def _json(flight: Flight, files: list[Path]) -> dict[str, object]:
         **flight.metrics.to_json(),
         "events": [{"name": event.name, "time_s": event.time} for event in flight.events],
         "warnings": list(flight.warnings),
-        "files": [str(file) for file in files],
     }
 
 
@@ -136,6 +124,6 @@ def _write(flight: Flight, folder: Path) -> list[Path]:
     files = [folder / name for name in FILES]
     flight.to_netcdf(files[0])
     write_text(files[1], flight.scenario.to_toml())
-    write_text(files[2], json_text(_json(flight, [])) + "\n")
+    write_text(files[2], json_text({**_json(flight), "files": []}) + "\n")
     flight_figure(flight, files[3])
     return files

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
-import typer
-
+from detumble.commands.arguments import AsJson
 from detumble.commands.printing import print_json
 
 
-def scenarios(as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False) -> None:
+def scenarios(as_json: AsJson = False) -> None:
     """List the built-in scenarios."""
     from detumble.scenario.files import built_in, load
 

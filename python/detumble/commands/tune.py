@@ -1,20 +1,34 @@
-"""`detumble tune`: search for the gains with which a law is at its best, and say what they are worth on runs not seen before."""
+"""`detumble tune`: search for the best gains of a law, and judge them on held-out runs."""
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from detumble.commands.arguments import folder, percentile, scenario_of
-from detumble.commands.printing import cell, fixed, json_text, print_json, remark, table
+from detumble.commands.arguments import (
+    LAWS,
+    AsJson,
+    More,
+    ScenarioName,
+    Settings,
+    Threads,
+    out_option,
+    percentile,
+    scenario_of,
+)
+from detumble.commands.printing import json_text, print_json, print_result, remark, remark_written
 from detumble.errors import RequestError
+from detumble.tables import cell, fixed, table
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from detumble.analysis.tuning.pareto import Front
+    from detumble.analysis.tuning.search import Generation
+    from detumble.analysis.tuning.setting import SearchResult
     from detumble.analysis.tuning.space import Space
     from detumble.analysis.tuning.tuner import Tuned, Worth
     from detumble.scenario.model import Scenario
@@ -23,15 +37,13 @@ RECORD = "record.jsonl"
 NUMBERS = "tuning.json"
 FILES = ("scenario.toml", NUMBERS, "convergence.png")
 FRONT_FILES = (NUMBERS, "front.csv", "front.png", "point-[0-9]*.toml")
-"""Patterns of what is written into --out; the record looks after itself."""
+"""Patterns of what is written into --out beside the record."""
 
 
 def tune(
-    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")],
-    more: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")] = None,
-    law: Annotated[
-        str | None, typer.Option(help="pd, lqr, sosmc, tsmc or prrl.  [prrl, or the only one given]")
-    ] = None,
+    scenario: ScenarioName,
+    more: More = None,
+    law: Annotated[str | None, typer.Option(help=f"{LAWS}.  [prrl, or the only one given]")] = None,
     budget: Annotated[int, typer.Option(help="Number of candidates; each flies from all starts.")] = 2000,
     starts: Annotated[int, typer.Option(help="Runs of the campaign that each candidate flies.")] = 256,
     seed: Annotated[int, typer.Option(help="Seed of these runs.")] = 0,
@@ -54,145 +66,135 @@ def tune(
         list[str] | None, typer.Option(metavar="GAIN[=VALUE]", help="Hold a gain: alpha=0.3, translation.kd")
     ] = None,
     held_out: Annotated[int, typer.Option(help="Runs of another seed that judge the result; 0 for none.")] = 1000,
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
-    ] = None,
-    threads: Annotated[int | None, typer.Option(help="Threads to use; all processors by default.")] = None,
-    out: Annotated[
-        Path | None, typer.Option(parser=folder, metavar="DIR", help="Write scenario, record, numbers and figure here.")
-    ] = None,
+    settings: Settings = None,
+    threads: Threads = None,
+    out: Annotated[Path | None, out_option("Write scenario, record, numbers and figure here.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue the search in DIR.")] = False,
     show: Annotated[bool, typer.Option("--list", help="List the gains and their ranges, and leave.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Search for a law's gains and say what they are worth."""
-    from detumble.analysis.tuning.space import space_of
+    from detumble.checking import whole
     from detumble.results import results_folder
 
     if stack and one_set:
         raise RequestError("--stack and --one-set: only one of them can be asked for")
-    chosen = scenario_of(scenario, [*(settings or ()), *(more or ())])
-    law = chosen.laws.default if law is None else law
-    own_set = True if stack else False if one_set else None
     if resume and out is None:
         raise RequestError("--resume: needs --out, the folder of the search to continue")
-    whole = space_of(chosen, law, form=form, stack=own_set)  # type: ignore[arg-type]  # checked there
-    held = _held(fix or (), whole)
-    what: dict[str, Any] = {"percentile": percentile(statistic), "required": required, "until": until}
+    chosen = scenario_of(scenario, settings, more)
+    law = chosen.laws.default if law is None else law
+    searched: dict[str, Any] = {
+        "form": form,
+        "stack": True if stack else False if one_set else None,
+        "fixed": _fixed(fix or ()),
+    }
     if show:
-        space_of(chosen, law, form=form, stack=own_set, fixed=held)  # type: ignore[arg-type]  # refuses what cannot be held
-        if as_json:
-            print_json({"law": law, "gains": _gains_json(whole)})
-        else:
-            print(_ranges(whole))
+        _list(chosen, law, searched, as_json)
         return
-    how: dict[str, Any] = {
+    judged: dict[str, Any] = {"percentile": percentile(statistic), "required": required, "until": until}
+    how: dict[str, Any] = searched | {
         "budget": budget,
         "starts": starts,
         "seed": seed,
         "optimiser_seed": optimiser_seed,
         "horizon": horizon,
-        "form": form,
-        "stack": own_set,
-        "fixed": held,
         "record": out / RECORD if out else None,
         "resume": resume,
         "threads": threads,
     }
+    runs = whole("held_out", held_out, 0, 10**9)
     files = FRONT_FILES if objective == "pareto" else FILES
     with results_folder(out, files, scenario, stale=files):
         if objective == "pareto":
-            _pareto(chosen, law, how, what, out, as_json)
+            _pareto(chosen, law, judged | how, out, as_json)
         else:
-            _single(chosen, law, how, {"what": objective, **what}, held_out, out, as_json)
+            _single(chosen, law, {"what": objective, **judged}, how, runs, out, as_json)
 
 
-def _held(fix: Sequence[str], space: Space) -> dict[str, float | None]:
-    """Read --fix; a gain without a value keeps its own."""
-    held: dict[str, float | None] = {}
+def _fixed(fix: Sequence[str]) -> dict[str, float | None]:
+    """Read --fix; a gain without a value keeps that of the scenario."""
+    fixed: dict[str, float | None] = {}
     for text in fix:
         path, equals, value = text.partition("=")
-        if path in held:
+        if path in fixed:
             raise RequestError(f"--fix {text}: {path} is held already; hold it once")
-        if not equals and path in space.own:
-            held[path] = None
-            continue
         try:
-            held[path] = float(value)
+            fixed[path] = float(value) if equals else None
         except ValueError:
-            known = ", ".join(space.own)
-            raise RequestError(f"--fix {text}: must be GAIN or GAIN=NUMBER, of {known}") from None
-    return held
+            raise RequestError(f"--fix {text}: must be GAIN or GAIN=NUMBER; --list shows the gains") from None
+    return fixed
+
+
+def _list(scenario: Scenario, law: str, searched: dict[str, Any], as_json: bool) -> None:
+    """Print all gains that can be searched for, those held by --fix among them."""
+    from detumble.analysis.tuning.space import space_of
+
+    space_of(scenario, law, **searched)  # refuses what cannot be held
+    space = space_of(scenario, law, **searched | {"fixed": None})
+    if as_json:
+        print_json({"law": law, "gains": _gains_json(space)})
+    else:
+        print(_ranges(space))
 
 
 def _single(
     scenario: Scenario,
     law: str,
+    judged: dict[str, Any],
     how: dict[str, Any],
-    what: dict[str, Any],
     runs: int,
     out: Path | None,
     as_json: bool,
 ) -> None:
     from detumble.analysis.tuning import Objective, held_out
     from detumble.analysis.tuning import tune as search
-    from detumble.checking import whole
-    from detumble.commands.progress import SearchProgress
-    from detumble.flight import INSIDE
+    from detumble.commands.progress import Line
+    from detumble.simulation import INSIDE
 
-    objective = Objective(**what)
-    runs = whole("held_out", runs, 0, 10**9)
-    with SearchProgress(out, objective.unit) as progress:
-        tuned = search(scenario, law, objective=objective, watcher=progress, **how)
+    objective = Objective(**judged)
+    with Line(out, "candidates", _best(objective.unit)) as line:
+        tuned = search(scenario, law, objective=objective, watcher=line, **how)
     other = (tuned.seed + 1) % 2**64
-    judged = held_out(tuned, runs, other, threads=how["threads"]) if runs else None
-    numbers = tuned.to_json() | {"feasible": tuned.feasible, "held_out": _judged_json(judged, runs, other)}
+    worth = held_out(tuned, runs, other, threads=how["threads"]) if runs else None
+    numbers = tuned.to_json() | {"feasible": tuned.feasible, "held_out": _held_out_json(worth, runs, other)}
     files = _write(tuned, numbers, out) if out else []
-    if as_json:
-        print_json(numbers | {"files": [str(file) for file in files]})
-    else:
-        print(_text(tuned, judged, runs, other))
+    print_result(as_json, numbers, lambda: _text(tuned, worth, runs, other), files)
     if not tuned.feasible:
-        remark(
-            f"no candidate succeeds in {100 * objective.required:g} % of the starts; "
-            f"the best one does in {100 * tuned.success:.1f} % within {tuned.horizon:g} s; --horizon gives them longer, "
-            "--required asks for less"
-        )
+        _remark_infeasible(tuned, f"the best one does in {100 * tuned.success:.1f} % within {tuned.horizon:g} s")
     if tuned.objective.what == "capture" and tuned.initial_cost == 0.0:
         remark(f"warning: {INSIDE}, in every start")
-    _say(files)
+    remark_written(files)
 
 
-def _pareto(
-    scenario: Scenario, law: str, how: dict[str, Any], what: dict[str, Any], out: Path | None, as_json: bool
-) -> None:
+def _pareto(scenario: Scenario, law: str, how: dict[str, Any], out: Path | None, as_json: bool) -> None:
     from detumble.analysis.tuning import pareto_front
-    from detumble.commands.progress import SearchProgress
+    from detumble.commands.progress import Line
 
-    with SearchProgress(out, "s") as progress:
-        front = pareto_front(scenario, law, watcher=progress, **what, **how)
+    with Line(out, "candidates", _best("s")) as line:
+        front = pareto_front(scenario, law, watcher=line, **how)
     files = _write_front(front, out) if out else []
-    if as_json:
-        print_json(front.to_json() | {"files": [str(file) for file in files]})
-    else:
-        print(_front_text(front))
+    print_result(as_json, front.to_json(), lambda: _front_text(front), files)
     if not front.points:
-        remark(
-            f"no candidate succeeds in {100 * front.objective.required:g} % of the starts within {front.horizon:g} s: there is "
-            "no front; --horizon gives them longer, --required asks for less"
-        )
-    _say(files)
+        _remark_infeasible(front, f"there is no front within {front.horizon:g} s")
+    remark_written(files)
 
 
-def _say(files: Sequence[Path]) -> None:
-    for file in files:
-        remark(f"written: {file}")
+def _best(unit: str) -> Callable[[Generation], str]:
+    """Describe the best candidate so far, for the progress line."""
+    return lambda last: f"best {last.best:.4g} {unit}, success {100 * last.success:.1f} %"
 
 
-def _judged_json(judged: tuple[Worth, Worth] | None, runs: int, seed: int) -> dict[str, Any] | None:
-    if judged is None:
+def _remark_infeasible(result: SearchResult, rest: str) -> None:
+    remark(
+        f"no candidate succeeds in {100 * result.objective.required:g} % of the starts; {rest}; --horizon gives them longer, "
+        "--required asks for less"
+    )
+
+
+def _held_out_json(worth: tuple[Worth, Worth] | None, runs: int, seed: int) -> dict[str, Any] | None:
+    if worth is None:
         return None
-    before, after = ({"cost": worth.cost, "success": worth.success} for worth in judged)
+    before, after = ({"cost": one.cost, "success": one.success} for one in worth)
     return {"runs": runs, "seed": seed, "initial": before, "tuned": after}
 
 
@@ -200,51 +202,35 @@ def _gains_json(space: Space) -> list[dict[str, Any]]:
     gains = []
     for tunable in space.tunables:
         low, high = tunable.range(space.natural(tunable, space.own))
-        gains.append(
-            {
-                "gain": tunable.path,
-                "own": space.own[tunable.path],
-                "low": low,
-                "high": high,
-                "unit": tunable.unit or "1",
-            }
-        )
+        own, unit = space.own[tunable.path], tunable.unit or "1"
+        gains.append({"gain": tunable.path, "own": own, "low": low, "high": high, "unit": unit})
     return gains
 
 
 def _ranges(space: Space) -> str:
-    """Table of the gains that can be searched for, the scenario's own, and where they are searched."""
-    meanings = {tunable.path: tunable.meaning for tunable in space.tunables}
-    rows = [("gain", "own", "from", "to", "unit")]
-    for gain in _gains_json(space):
-        numbers = [cell(gain[key], 4) for key in ("own", "low", "high")]
-        rows.append((gain["gain"], *numbers, "" if gain["unit"] == "1" else gain["unit"]))
-    lines = table(rows).splitlines()
+    """Table of the gains that can be searched for: the scenario's own, the range, the meaning."""
+    rows: list[tuple[str, ...]] = [("gain", "own", "from", "to", "unit")]
+    for gain, tunable in zip(_gains_json(space), space.tunables, strict=True):
+        rows.append((tunable.path, *(cell(gain[key], 4) for key in ("own", "low", "high")), tunable.unit))
+    head, rule, *lines = table(rows).splitlines()
+    meanings = (tunable.meaning for tunable in space.tunables)
     return "\n".join(
-        [
-            *lines[:2],
-            *(
-                f"{line.ljust(len(lines[1]))}  {meanings[row[0]]}"
-                for line, row in zip(lines[2:], rows[1:], strict=True)
-            ),
-        ]
+        [head, rule, *(f"{line.ljust(len(rule))}  {meaning}" for line, meaning in zip(lines, meanings, strict=True))]
     )
 
 
-def _headline(result: Tuned | Front, what: str) -> str:
+def _headline(result: SearchResult, what: str) -> str:
     from detumble.scenario.laws import TITLES
 
-    law, objective = result.law, result.objective
-    form = getattr(result.initial.laws, law).form
+    law, objective = f"{TITLES[result.law]}, {result.setting.form}", result.objective
     return (
-        f"{result.initial.title}\n{TITLES[law]}, {form}: {objective.statistic} {what} over {result.starts} starts of seed "
-        f"{result.seed}\nat least {100 * objective.required:g} % successful within {result.horizon:g} s"
+        f"{result.initial.title}\n{law}: {objective.statistic} {what} over {result.starts} starts of seed {result.seed}\n"
+        f"at least {100 * objective.required:g} % successful within {result.horizon:g} s"
     )
 
 
 def _text(tuned: Tuned, judged: tuple[Worth, Worth] | None, runs: int, seed: int) -> str:
     from detumble.analysis.tuning.gains import gains_in
-    from detumble.analysis.tuning.objective import MEANINGS
 
     law, objective = tuned.law, tuned.objective
     units = {tunable.path: tunable.unit for tunable in gains_in(law, tuned.initial.to_dict()["laws"][law])}
@@ -269,17 +255,16 @@ def _text(tuned: Tuned, judged: tuple[Worth, Worth] | None, runs: int, seed: int
         worth.append(row(f"held out, {runs} runs of seed {seed}", before, after))
     rate = tuned.evaluations / max(tuned.seconds, 1e-9)
     done = f"{tuned.evaluations} candidates in {tuned.seconds:.1f} s ({rate:.0f}/s)"
-    return "\n\n".join([_headline(tuned, MEANINGS[objective.what]), table(gains), table(worth), done])
+    return "\n\n".join([_headline(tuned, objective.meaning), table(gains), table(worth), done])
 
 
 def _front_text(front: Front) -> str:
-    from detumble.analysis.tuning.objective import MEANINGS
 
     rows = [("point", "time s", "Δv m/s", "success %")]
     for place in front.spread(12):
         point = front.points[place]
         rows.append((str(place + 1), fixed(point.time, 2), fixed(point.delta_v, 4), fixed(100 * point.success, 1)))
-    what = f"{MEANINGS[front.objective.what]} against Δv to capture"
+    what = f"{front.objective.meaning} against Δv to capture"
     done = f"{len(front.points)} points from {front.evaluations} candidates in {front.seconds:.1f} s"
     return "\n\n".join([_headline(front, what), table(rows), done])
 
@@ -290,10 +275,7 @@ def _write(tuned: Tuned, numbers: dict[str, Any], out: Path) -> list[Path]:
 
     files = [out / "scenario.toml", out / NUMBERS, out / RECORD, out / "convergence.png"]
     tuned.scenario.save(files[0])
-    history = [
-        {"evaluations": one.evaluations, "best": one.best, "median": one.median, "success": one.success}
-        for one in tuned.history
-    ]
+    history = [asdict(generation) for generation in tuned.history]
     write_text(files[1], json_text(numbers | {"history": history}) + "\n")
     convergence_figure(tuned, files[3])
     return files

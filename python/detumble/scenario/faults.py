@@ -16,7 +16,8 @@ from detumble.scenario.dispersions import DISTRIBUTIONS
 from detumble.scenario.hints import unknown_key
 from detumble.scenario.reflection import quantity_of, section_of
 from detumble.scenario.section import Section
-from detumble.scenario.wording import did_you_mean, pretty, shown
+from detumble.scenario.wording import pretty, shown
+from detumble.text import did_you_mean
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails

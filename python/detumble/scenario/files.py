@@ -15,7 +15,7 @@ from detumble.errors import Fault, RequestError, ScenarioError
 from detumble.scenario.faults import validated
 from detumble.scenario.model import Scenario
 from detumble.scenario.reflection import is_text, section_at
-from detumble.scenario.wording import did_you_mean
+from detumble.text import did_you_mean
 from detumble.writing import named_file, read_bytes, reason, write_text
 
 if TYPE_CHECKING:

@@ -10,7 +10,8 @@ from detumble.checking import plain
 from detumble.scenario import physics
 from detumble.scenario.laws import CHANNELS, REGISTER, form_of
 from detumble.scenario.laws.base import gains_of_section
-from detumble.scenario.wording import did_you_mean, pretty, shown
+from detumble.scenario.wording import pretty, shown
+from detumble.text import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

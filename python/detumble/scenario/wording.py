@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable
 from decimal import Decimal
 from typing import Any
 
@@ -47,10 +45,3 @@ def shown(value: Any, width: int = 72) -> str:
 def pretty(unit: str) -> str:
     """Write powers in a unit as raised digits: kg m², s⁴/m²."""
     return unit.replace("^2", "²").replace("^3", "³").replace("^4", "⁴")
-
-
-def did_you_mean(word: str, choices: Iterable[str]) -> str:
-    """Suggest the nearest of the choices: `; did you mean x?`, or nothing."""
-    folded = {choice.lower().replace("_", ""): choice for choice in choices}
-    near = difflib.get_close_matches(word.lower().replace("_", "").replace("-", ""), folded, n=1, cutoff=0.6)
-    return f"; did you mean {folded[near[0]]}?" if near else ""

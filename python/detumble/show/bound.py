@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from detumble.analysis.bounds.bound import Rendezvous
-    from detumble.analysis.bounds.tumble import Array
+    from detumble.quaternions import Array
 
 
 def bound_figure(title: str, found: Rendezvous, path: Path) -> list[Path]:

@@ -31,31 +31,27 @@ APPROACH = {
 SUMMARY = "fig9_summary"
 
 
-def build(flights: Mapping[str, Flight], minimum_time: float | None = None) -> dict[str, Figure]:
+def build(flights: Mapping[str, Flight], minimum_time: float) -> dict[str, Figure]:
     """Draw every figure, in memory; call it within `styled()`.
 
     Args:
         flights: of one scenario, by law; at least one.
-        minimum_time: before that no controller can capture, s; None computes it.
+        minimum_time: before that no controller can capture, s; inf where none can at all.
 
     Returns:
         Figures by file name, in order.
     """
-    if minimum_time is None:
-        from detumble.analysis.bounds.earliest import minimum_capture_time
-
-        minimum_time = minimum_capture_time(approach.first(flights).scenario)
     drawn = {name: draw(flights) for name, draw in APPROACH.items()}
     return drawn | {SUMMARY: summary(flights, minimum_time)}
 
 
-def paper_figures(flights: Mapping[str, Flight], out: Path, minimum_time: float | None = None) -> list[Path]:
+def paper_figures(flights: Mapping[str, Flight], out: Path, minimum_time: float) -> list[Path]:
     """Write the figures of the paper's case: its own seven, the stack after capture, and one that sums up.
 
     Args:
         flights: of one scenario, by law; at least one.
         out: an existing folder.
-        minimum_time: before that no controller can capture, s; None computes it.
+        minimum_time: before that no controller can capture, s; inf where none can at all.
 
     Returns:
         The files: PNG and SVG of each figure, in order.

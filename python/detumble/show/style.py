@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from detumble import matplotlib_setup
+from detumble.matplotlib_setup import load_matplotlib
 from detumble.scenario.laws import APPEARANCES
 from detumble.scenario.laws.base import Dashes as Dashes
-from detumble.show import drawing
-from detumble.show.drawing import load_matplotlib
 from detumble.writing import whole_file
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ def styled() -> Iterator[None]:
     import matplotlib.style
 
     with warnings.catch_warnings(), matplotlib.style.context(["default", _SETTINGS]):
-        if drawing.alone:  # what a library remarks of an odd picture says nothing to who runs a command
+        if matplotlib_setup.own_process:  # what a library remarks of an odd picture says nothing to who runs a command
             warnings.simplefilter("ignore")
         yield
 

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from detumble.analysis.tuning.objective import MEANINGS
 from detumble.show.style import LIMIT, heading, look, new_figure, save, styled
 
 if TYPE_CHECKING:
@@ -55,7 +54,7 @@ def draw_convergence(tuned: Tuned) -> Figure:
     for formatted in (above.yaxis.set_major_formatter, above.yaxis.set_minor_formatter):
         formatted("{x:g}")
     objective = tuned.objective
-    above.set_ylabel(f"{objective.statistic} {MEANINGS[objective.what]} [{objective.unit}]")
+    above.set_ylabel(f"{objective.statistic} {objective.meaning} [{objective.unit}]")
     _level(above, tuned)
     above.legend(loc="upper right")
     above.set_title(f"{look(tuned.law).label}: {tuned.evaluations} candidates, {tuned.starts} starts each")
@@ -111,7 +110,7 @@ def draw_front(front: Front) -> Figure:
     axes.plot(times, efforts, look(front.law).marker, color=look(front.law).colour, markersize=4.0)
     axes.margins(0.04)
     axes.set_ylim(bottom=0.0)
-    axes.set_xlabel(f"{front.objective.statistic} {MEANINGS[front.objective.what]} [s]")
+    axes.set_xlabel(f"{front.objective.statistic} {front.objective.meaning} [s]")
     axes.set_ylabel(f"{front.objective.statistic} Δv to capture [m/s]")
     share = f"{100.0 * front.objective.required:g}"
     label = look(front.law).label

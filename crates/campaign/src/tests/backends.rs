@@ -1,8 +1,9 @@
 use super::fixture::{Campaign, LAWS, Way, alone, bits};
 use crate::Outcome;
-use detumble_core::case::{Motion, NoiseSigmas};
 use detumble_core::gnc::laws::SurfaceRate;
+use detumble_core::hardware::sensors::NoiseSigmas;
 use detumble_core::number::Backend;
+use detumble_core::plant::motion::Motion;
 
 const WAYS: [Way; 2] = [Way::Paper, Way::Corrected];
 /// No multiple of 4 or 8: the last block is short.

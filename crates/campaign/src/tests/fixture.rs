@@ -4,13 +4,21 @@ use crate::{Column, Fleet, FlightRecord, Operation, Outcome, fly_many, fly_one};
 use detumble_core::batch::Fields;
 use detumble_core::case::*;
 use detumble_core::gnc::capture::DistanceFrom;
+use detumble_core::gnc::capture::{CaptureThresholds, SettledThresholds};
+use detumble_core::gnc::guidance::GoalPositions;
 use detumble_core::gnc::guidance::{Goal, StackGoal};
+use detumble_core::gnc::laws::belief::Belief;
 use detumble_core::gnc::laws::{
     AttitudeError, Form, Gains, LawRecipe, PhaseGains, StackBelief, SurfaceRate, lqr, pd, prrl, sosmc, tsmc,
 };
+use detumble_core::hardware::actuators::Limits;
 use detumble_core::hardware::actuators::Saturation;
+use detumble_core::hardware::sensors::NoiseSigmas;
 use detumble_core::number::{Backend, Mat3, Quat, Stream, Vec3};
 use detumble_core::plan::{End, Plan};
+use detumble_core::plant::body::Body;
+use detumble_core::plant::motion::Motion;
+use detumble_core::plant::orbit::Orbit;
 use detumble_core::plant::stack::Transition;
 use detumble_core::scene::Common;
 use std::sync::atomic::AtomicUsize;
@@ -264,5 +272,5 @@ fn law_recipe(law: &str, way: Way) -> LawRecipe {
 /// The same gains in both phases.
 fn of<G: Copy>(form: Form, translation: G, rotation: G) -> Gains<G> {
     let gains = PhaseGains { translation, rotation };
-    Gains { form, before: gains, after: gains }
+    Gains { form: Some(form), before: gains, after: gains }
 }

@@ -3,7 +3,7 @@ use crate::gnc::laws::reaching::{self, Reaching, Shape};
 use crate::gnc::laws::surface::{self, Surface};
 use crate::gnc::laws::{Channel, Form, LinearFeedback, SlidingMode, sliding};
 use crate::number::{Backend, Job, Mask, dispatch};
-use crate::plant::propagate::Wrench;
+use crate::plant::wrench::Wrench;
 use std::fmt::Debug;
 
 /// Gathers different values into lanes, takes them apart, and chooses lane by lane.

@@ -3,13 +3,21 @@
 use super::*;
 use crate::case::*;
 use crate::gnc::capture::DistanceFrom;
+use crate::gnc::capture::{CaptureThresholds, SettledThresholds};
+use crate::gnc::guidance::GoalPositions;
 use crate::gnc::guidance::{Goal, StackGoal};
 use crate::gnc::laws::LawRecipe;
+use crate::gnc::laws::belief::Belief;
 use crate::gnc::laws::{AttitudeError, StackBelief, SurfaceRate};
 use crate::gnc::laws::{Form, Gains, PhaseGains, pd};
+use crate::hardware::actuators::Limits;
 use crate::hardware::actuators::Saturation;
+use crate::hardware::sensors::NoiseSigmas;
 use crate::number::Mat3;
 use crate::plan::{End, Plan};
+use crate::plant::body::Body;
+use crate::plant::motion::Motion;
+use crate::plant::orbit::Orbit;
 use crate::plant::stack::Transition;
 use crate::scene::{Common, PreparedFlight};
 use crate::tests::assert_near;
@@ -74,7 +82,7 @@ fn recipe() -> FlightRecipe {
                 stack_inertia: Mat3::from_scale(0.18),
             },
         },
-        law: LawRecipe::Pd(Gains { form: Form::Printed, before: gains(0.001), after: gains(0.1) }),
+        law: LawRecipe::Pd(Gains { form: Some(Form::Printed), before: gains(0.001), after: gains(0.1) }),
         plan: Plan {
             control_period: 0.5,
             steps_per_period: 5,
@@ -205,7 +213,7 @@ fn demand_is_kept_beside_what_the_actuators_give() {
     let (log, _) = watch(&recipe);
     let tick = log.rows[0].tick;
     assert_near(&tick.demand.torque.0, &[-1e-5, 0.0, -2e-5], 1e-20);
-    assert_near(&tick.applied.torque.0, &[-1e-6, 0.0, -1e-6], 0.0);
+    assert_near(&tick.applied.wrench.torque.0, &[-1e-6, 0.0, -1e-6], 0.0);
     recipe.plan.saturation = Saturation::Scaled;
-    assert_near(&watch(&recipe).0.rows[0].tick.applied.torque.0, &[-5e-7, 0.0, -1e-6], 1e-20);
+    assert_near(&watch(&recipe).0.rows[0].tick.applied.wrench.torque.0, &[-5e-7, 0.0, -1e-6], 1e-20);
 }

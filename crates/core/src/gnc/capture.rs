@@ -2,8 +2,35 @@
 
 use super::error::TrackingError;
 use crate::batch_struct;
-use crate::case::{CaptureThresholds, Motion, SettledThresholds};
+use crate::case_struct;
 use crate::number::{Real, Vec3};
+use crate::plant::motion::Motion;
+
+case_struct! {
+    /// Capture holds while every quantity is strictly below its threshold.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+    pub struct CaptureThresholds<R> {
+        /// \[m\]
+        pub distance: R,
+        /// Of the attitude error \[rad\].
+        pub angle: R,
+        /// Relative angular rate \[rad/s\].
+        pub rate: R,
+        /// Relative speed \[m/s\]; infinite when the scenario sets none.
+        pub speed: R,
+    }
+}
+
+case_struct! {
+    /// The stack is settled once it stays below both until the end of the flight.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+    pub struct SettledThresholds<R> {
+        /// Stack axes against H \[rad\].
+        pub angle: R,
+        /// Rate relative to H \[rad/s\].
+        pub rate: R,
+    }
+}
 
 batch_struct! {
     /// Thresholds in the form in which they are compared: no root, no arc cosine in the loop.

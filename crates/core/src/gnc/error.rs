@@ -5,8 +5,8 @@
 //! ```
 
 use super::guidance::Target;
-use crate::case::Motion;
 use crate::number::{Quat, Real, Vec3};
+use crate::plant::motion::Motion;
 
 /// Errors of one instant; attitude and rates in C, translation in H.
 #[derive(Clone, Copy, Debug)]

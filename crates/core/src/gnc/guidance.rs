@@ -10,10 +10,22 @@
 //!
 //! and the attitude goal is the debris'. After capture the goal is fixed and the attitude goal is H.
 
-use crate::case::Motion;
+use crate::case_struct;
 use crate::number::{Quat, Real, Vec3};
 use crate::plant::attitude::Inertia;
 use crate::plant::lvlh::Lvlh;
+use crate::plant::motion::Motion;
+
+case_struct! {
+    /// Fixed goals in H \[m\]; without meaning where grasp points move the goal.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+    pub struct GoalPositions<R> {
+        /// r_des before capture.
+        pub position: Vec3<R>,
+        /// r_des of the stack, if the plan gives one.
+        pub after_capture: Vec3<R>,
+    }
+}
 
 /// Where the chaser is to go before capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

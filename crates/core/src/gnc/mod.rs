@@ -1,6 +1,8 @@
-//! Guidance, navigation (what is seen is believed), control.
+//! Guidance, navigation, control.
 
+pub mod allocation;
 pub mod capture;
 pub mod error;
 pub mod guidance;
 pub mod laws;
+pub mod navigation;

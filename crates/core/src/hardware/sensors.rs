@@ -7,8 +7,25 @@
 //! Assumptions: the debris' attitude and rate are seen without noise; no bias, no delay.
 //! Each quantity has random numbers of its own, so switching one sensor's noise off leaves the others' draws as they were.
 
-use crate::case::{Motion, NoiseSigmas};
+use crate::case_struct;
 use crate::number::{Quat, Real, Stream, Vec3};
+use crate::part::Part;
+use crate::plant::motion::Motion;
+
+case_struct! {
+    /// Standard deviations per axis of white Gaussian noise, drawn anew at every control tick.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+    pub struct NoiseSigmas<R> {
+        /// Relative position \[m\].
+        pub position: R,
+        /// Relative velocity \[m/s\].
+        pub velocity: R,
+        /// Chaser attitude, small angle \[rad\].
+        pub attitude: R,
+        /// Chaser rate \[rad/s\].
+        pub rate: R,
+    }
+}
 
 /// Which sensors are noisy in at least one flight of the batch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -35,9 +52,47 @@ impl Noisy {
     }
 }
 
-/// What the sensors see of the truth at control tick `tick`, a whole number.
+/// What the sensors tell. Only navigation sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Measurement<R> {
+    /// Measured motion, as [`Motion`] has it.
+    pub motion: Motion<R>,
+}
+
+/// Sensors with white noise.
+#[derive(Clone, Copy, Debug)]
+pub struct Sensors<'a, R> {
+    /// Standard deviations.
+    pub sigmas: &'a NoiseSigmas<R>,
+    /// Which of them are noisy.
+    pub noisy: Noisy,
+}
+
+/// What there is to measure at a control tick.
+pub struct Sensed<'a, R: Real> {
+    /// The true motion.
+    pub truth: &'a Motion<R>,
+    /// Random numbers of the flight.
+    pub noise: &'a Stream<R>,
+    /// Number of the tick.
+    pub tick: R,
+}
+
+impl<R: Real> Part<R> for Sensors<'_, R> {
+    type Memory = ();
+    type Input<'a> = Sensed<'a, R>;
+    type Output = Measurement<R>;
+
+    fn begin(&self) {}
+
+    #[inline(always)]
+    fn step(&self, (): &mut (), Sensed { truth, noise, tick }: Sensed<'_, R>) -> Measurement<R> {
+        Measurement { motion: with_noise(self.sigmas, self.noisy, truth, noise, tick) }
+    }
+}
+
 #[inline(always)]
-pub fn sense<R: Real>(
+fn with_noise<R: Real>(
     sigmas: &NoiseSigmas<R>,
     noisy: Noisy,
     truth: &Motion<R>,

@@ -4,14 +4,22 @@ use super::*;
 use crate::case::*;
 use crate::closed_loop::fly_alone;
 use crate::gnc::capture::DistanceFrom;
+use crate::gnc::capture::{CaptureThresholds, SettledThresholds};
+use crate::gnc::guidance::GoalPositions;
 use crate::gnc::guidance::{Goal, StackGoal};
+use crate::gnc::laws::belief::Belief;
 use crate::gnc::laws::{AttitudeError, StackBelief, SurfaceRate};
 use crate::gnc::laws::{Form, Gains, LawRecipe, PhaseGains, Segment, pd};
+use crate::hardware::actuators::Limits;
 use crate::hardware::actuators::Saturation;
+use crate::hardware::sensors::NoiseSigmas;
 use crate::number::{Mat3, Quat, Stream};
 use crate::plan::{End, Plan};
-use crate::plant::propagate::WrenchFrame;
+use crate::plant::body::Body;
+use crate::plant::motion::Motion;
+use crate::plant::orbit::Orbit;
 use crate::plant::stack::Transition;
+use crate::plant::wrench::WrenchFrame;
 use crate::scene::{Common, PreparedFlight};
 use crate::tests::assert_near;
 
@@ -144,7 +152,7 @@ fn damper() -> LawRecipe {
     let zero = pd::Gains { kp: Vec3([0.0; 3]), kd: Vec3([0.0; 3]) };
     let rotation = pd::Gains { kd: Vec3([0.1; 3]), ..zero };
     let gains = |rotation| PhaseGains { translation: zero, rotation };
-    LawRecipe::Pd(Gains { form: Form::Printed, before: gains(zero), after: gains(rotation) })
+    LawRecipe::Pd(Gains { form: Some(Form::Printed), before: gains(zero), after: gains(rotation) })
 }
 
 #[test]
@@ -224,7 +232,7 @@ fn flight_that_leaves_the_numbers_is_dated_by_its_first_such_tick() {
     let explosive = pd::Gains { kp: Vec3([-1e30; 3]), kd: Vec3([0.0; 3]) };
     let still = pd::Gains { kp: Vec3([0.0; 3]), kd: Vec3([0.0; 3]) };
     let gains = PhaseGains { translation: explosive, rotation: still };
-    recipe.law = LawRecipe::Pd(Gains { form: Form::Printed, before: gains, after: gains });
+    recipe.law = LawRecipe::Pd(Gains { form: Some(Form::Printed), before: gains, after: gains });
     recipe.case.actuators.force = Vec3([f64::INFINITY; 3]);
     recipe.plan.periods = 30;
     // Each tick multiplies the distance by 1 + 1e30·0.5²/2/8 = 1.56e28 and more: its square passes 1e308 within 6 ticks,

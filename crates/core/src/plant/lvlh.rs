@@ -4,7 +4,7 @@
 //! q_HN(t) = q_HN(0) ⊗ [cos(nt/2), 0, 0, sin(nt/2)]
 //! ```
 
-use crate::case::Orbit;
+use super::orbit::Orbit;
 use crate::number::{Quat, Real, Vec3};
 
 /// H at one instant.

@@ -12,7 +12,20 @@
 //! the response to a held acceleration is its integral.
 
 use crate::batch_struct;
+use crate::case_struct;
+use crate::number::Quat;
 use crate::number::{Real, Vec3};
+
+case_struct! {
+    /// The target's circular orbit.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+    pub struct Orbit<R> {
+        /// Mean motion n \[rad/s\].
+        pub mean_motion: R,
+        /// Attitude of H at t = 0, H -> N.
+        pub lvlh_attitude: Quat<R>,
+    }
+}
 
 /// What orbit and turning frame do to a body by themselves: A(r, v) \[m/s²\].
 #[inline(always)]

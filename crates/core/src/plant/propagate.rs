@@ -8,43 +8,15 @@
 //!   in the body.
 
 use super::attitude::{Inertia, Principal, Spin, renormalized, spin_step};
+use super::body::Vehicle;
 use super::lvlh::Lvlh;
-use super::orbit::HeldStep;
+use super::motion::Motion;
+use super::orbit::{HeldStep, Orbit};
 use super::rk4::{Dynamics, rk4_step};
 use super::top::FreeTop;
+use super::wrench::{Wrench, WrenchFrame};
 use crate::batch_struct;
-use crate::case::{Motion, Orbit};
 use crate::number::{Real, Vec3};
-
-batch_struct! {
-    /// A force \[N\] and a torque \[N m\].
-    pub struct Wrench<R> {
-        /// In the axes that its [`WrenchFrame`] names.
-        pub force: Vec3<R>,
-        /// Likewise.
-        pub torque: Vec3<R>,
-    }
-}
-
-impl<R: Real> Wrench<R> {
-    /// No force, no torque.
-    #[inline(always)]
-    pub fn zero() -> Self {
-        Self { force: Vec3::zero(), torque: Vec3::zero() }
-    }
-}
-
-/// The axes in which a wrench is given, and in which it is held over the period.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
-pub enum WrenchFrame {
-    /// Force in H, torque in body axes: what the laws command.
-    Command,
-    /// Both in H.
-    Lvlh,
-    /// Both in the chaser's body axes.
-    Body,
-}
 
 batch_struct! {
     /// Constants of the propagation that do not change at capture.
@@ -59,26 +31,6 @@ batch_struct! {
         pub debris: Inertia<R>,
         /// Its tumble over one integration step, if it is a symmetric top.
         pub tumble: FreeTop<R>,
-    }
-}
-
-batch_struct! {
-    /// The body that flies: the chaser, after capture the stack.
-    pub struct Vehicle<R> {
-        /// \[kg\]
-        pub mass: R,
-        /// \[1/kg\]
-        pub inverse_mass: R,
-        /// About its centre of mass, C axes.
-        pub inertia: Inertia<R>,
-    }
-}
-
-impl<R: Real> Vehicle<R> {
-    /// From mass \[kg\] and inertia.
-    #[inline(always)]
-    pub fn new(mass: R, inertia: Inertia<R>) -> Self {
-        Self { mass, inverse_mass: R::one() / mass, inertia }
     }
 }
 
@@ -165,30 +117,6 @@ fn tumble<R: Real>(around: &Surroundings<R>, motion: &mut Motion<R>, step: f64, 
     } else {
         spin_step(&around.debris, &debris, none, h)
     });
-}
-
-impl<R: Real> Motion<R> {
-    /// Attitude and rate of the chaser (after capture of the stack).
-    #[inline(always)]
-    pub fn chaser(&self) -> Spin<R> {
-        Spin { attitude: self.chaser_attitude, rate: self.chaser_rate }
-    }
-
-    /// Attitude and rate of the debris.
-    #[inline(always)]
-    pub fn debris(&self) -> Spin<R> {
-        Spin { attitude: self.debris_attitude, rate: self.debris_rate }
-    }
-
-    #[inline(always)]
-    fn set_chaser(&mut self, spin: Spin<R>) {
-        (self.chaser_attitude, self.chaser_rate) = (spin.attitude, spin.rate);
-    }
-
-    #[inline(always)]
-    fn set_debris(&mut self, spin: Spin<R>) {
-        (self.debris_attitude, self.debris_rate) = (spin.attitude, spin.rate);
-    }
 }
 
 /// A step under a wrench held in body axes. Not inlined, as the next: open loop checks the plant, it is not flown in bulk.

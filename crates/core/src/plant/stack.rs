@@ -15,9 +15,9 @@
 //! Stack axes are the chaser's. Source: parallel-axis theorem and momentum balance, e.g. Schaub & Junkins, ch. 2 and 4.
 
 use super::attitude::Inertia;
+use super::body::{Body, Vehicle};
 use super::lvlh::Lvlh;
-use super::propagate::Vehicle;
-use crate::case::{Body, Motion};
+use super::motion::Motion;
 use crate::number::{Mat3, Real};
 
 /// How the bodies join at capture.

@@ -32,8 +32,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from detumble.analysis.bounds.tumble import Array, conjugate, multiply, rotate, tumble
+from detumble.analysis.bounds.tumble import tumble
 from detumble.analysis.bounds.turn import ROUND_OFF, Agility, angle_between, trapezoids
+from detumble.quaternions import Array, conjugate, multiply, rotate, rotation_angle
 
 if TYPE_CHECKING:
     from detumble.analysis.bounds.pursuit import Pursuit
@@ -218,7 +219,7 @@ def excess(pursuit: Pursuit, attitude: Array, rate: Array, debris_attitude: Arra
         debris_rate: (..., 3) debris axes.
     """
     turn = multiply(conjugate(attitude), debris_attitude)
-    apart = 2.0 * np.arctan2(np.linalg.norm(turn[..., 1:], axis=-1), np.abs(turn[..., 0]))
+    apart = rotation_angle(turn)
     relative = np.linalg.norm(rate - rotate(turn, debris_rate), axis=-1)
     larger: Array = np.maximum(apart / pursuit.angle, relative / pursuit.rate)
     return larger

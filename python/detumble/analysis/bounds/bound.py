@@ -28,9 +28,10 @@ from detumble.analysis.bounds.pursuit import Pursuit, start_of
 from detumble.analysis.bounds.slew import AttitudeBound, Slew, attitude_bound, first_slew
 from detumble.analysis.bounds.soonest import translation_bound
 from detumble.analysis.bounds.transfer import Bracket, Transfer
-from detumble.analysis.bounds.tumble import Array, conjugate, multiply, rotate, tumble
+from detumble.analysis.bounds.tumble import tumble
 from detumble.checking import real
 from detumble.errors import Fault, ScenarioError
+from detumble.quaternions import Array, conjugate, multiply, rotate
 from detumble.scenario.conversions import ticks
 from detumble.scenario.core import case as core_case
 from detumble.scenario.files import given
@@ -184,9 +185,8 @@ def _goal(pursuit: Pursuit, start: Array, slew: Slew, tick: int) -> tuple[Array 
     span = slice(tick - pursuit.dwell_ticks, tick + 1)
     debris = start[13:17] / np.linalg.norm(start[13:17])
     tumbling = tumble(pursuit.debris_inertia, debris, start[17:20], pursuit.period, tick)
-    half = 0.5 * pursuit.mean_motion * pursuit.period * np.arange(tick + 1)[span, None]
-    turned = np.concatenate((np.cos(half), np.sin(half) * np.array([0.0, 0.0, 1.0])), axis=-1)
-    to_lvlh = conjugate(multiply(pursuit.lvlh_attitude, turned))  # q_HN†
+    orbit_angle = pursuit.mean_motion * pursuit.period * np.arange(tick + 1.0)[span]
+    to_lvlh = conjugate(pursuit.lvlh_turned(orbit_angle))  # q_HN†
     place, velocity = np.zeros((2, pursuit.dwell_ticks + 1, 3))
     for sign, point, (attitudes, rates) in zip(
         (-1.0, 1.0), pursuit.grasp_points, ((slew.attitude, slew.rate), tumbling), strict=True

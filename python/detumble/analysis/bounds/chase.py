@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from detumble.analysis.bounds.attitude import excess
-from detumble.analysis.bounds.tumble import Array, conjugate, multiply, rotate
+from detumble.quaternions import Array, conjugate, multiply, rotate
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

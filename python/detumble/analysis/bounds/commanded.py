@@ -8,7 +8,7 @@ from detumble.analysis.bounds.course import Course
 from detumble.analysis.bounds.goal import Goal
 from detumble.analysis.bounds.pursuit import Pursuit
 from detumble.analysis.bounds.transfer import Task, Transfer
-from detumble.analysis.bounds.tumble import Array
+from detumble.quaternions import Array
 
 COMMANDS = 400  # a flight of more periods holds its commands over several of them
 

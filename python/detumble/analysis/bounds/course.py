@@ -27,7 +27,7 @@ import numpy as np
 from detumble.analysis.bounds.goal import Goal, Restlessness
 from detumble.analysis.bounds.hcw import drift_bend, hcw, kernel_bend
 from detumble.analysis.bounds.translation import ROUND_OFF
-from detumble.analysis.bounds.tumble import Array
+from detumble.quaternions import Array
 
 if TYPE_CHECKING:
     from detumble.analysis.bounds.pursuit import Pursuit

@@ -39,8 +39,9 @@ from typing import Any
 import numpy as np
 
 from detumble.analysis.bounds.pursuit import Pursuit, start_of
-from detumble.analysis.bounds.tumble import Array, conjugate, multiply, rotate, tumble
+from detumble.analysis.bounds.tumble import tumble
 from detumble.analysis.bounds.turn import Agility
+from detumble.quaternions import Array, conjugate, multiply, rotate, rotation_angle
 
 CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 EVER_SO_LITTLE = 1e-12  # more acceleration and growth than there is, so that neither is zero
@@ -72,9 +73,9 @@ def detumble_bound(case: Mapping[str, Any], not_before: float = 0.0) -> Detumbli
     count = not_before / pursuit.period
     first = min(pursuit.periods, max(0, math.floor(count + 1e-9 * max(1.0, count))))  # a whole number despite rounding
     rates = rates[first:]
-    against_lvlh = multiply(conjugate(_lvlh(pursuit)), attitudes)[first:]  # q_HD
-    turned = 2.0 * np.arctan2(np.linalg.norm(against_lvlh[:, 1:], axis=1), np.abs(against_lvlh[:, 0]))
-    left = turned - float(case["settled"]["angle"])
+    orbit_angle = pursuit.mean_motion * pursuit.period * np.arange(pursuit.periods + 1.0)
+    against_lvlh = multiply(conjugate(pursuit.lvlh_turned(orbit_angle)), attitudes)[first:]  # q_HD
+    left = rotation_angle(against_lvlh) - float(case["settled"]["angle"])
     slowest = pursuit.mean_motion + float(case["settled"]["rate"])
     return Detumbling(
         lower=_lower(case, pursuit, rates, left, slowest),
@@ -201,13 +202,6 @@ def _quickest(
     counts = (left > 0.0) & (peak > np.maximum(first, last))
     least: Array = np.maximum.reduce((by_momentum, by_energy, np.where(counts, turned, 0.0), np.zeros(len(momentum))))
     return least
-
-
-def _lvlh(pursuit: Pursuit) -> Array:
-    """Attitudes (periods + 1, 4) of H at the control ticks."""
-    half = 0.5 * pursuit.mean_motion * pursuit.period * np.arange(pursuit.periods + 1)[:, None]
-    turned = np.concatenate((np.cos(half), np.sin(half) * np.array([0.0, 0.0, 1.0])), axis=1)
-    return multiply(pursuit.lvlh_attitude, turned)
 
 
 def _reduced_mass(case: Mapping[str, Any]) -> float:

@@ -22,8 +22,9 @@ import numpy as np
 from detumble.analysis.bounds.goal import Goal
 from detumble.analysis.bounds.pursuit import Pursuit, start_of
 from detumble.analysis.bounds.translation import Approach
-from detumble.analysis.bounds.tumble import Array, tumble
+from detumble.analysis.bounds.tumble import tumble
 from detumble.analysis.bounds.turn import excluded
+from detumble.quaternions import Array
 
 if TYPE_CHECKING:
     from detumble.scenario.model import Scenario

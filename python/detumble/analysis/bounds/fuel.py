@@ -20,7 +20,7 @@ from detumble.analysis.bounds.course import Course
 from detumble.analysis.bounds.pursuit import Pursuit
 from detumble.analysis.bounds.soonest import first_open
 from detumble.analysis.bounds.transfer import Bracket, Task, Transfer, pieces
-from detumble.analysis.bounds.tumble import Array
+from detumble.quaternions import Array
 
 CLOSE = 1e-3  # relative gap at which the search ends
 CUTS = 200  # programmes at most; the bounds hold wherever it stops

@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from detumble.analysis.bounds.tumble import Array, conjugate, multiply, rotate, tumble
+from detumble.analysis.bounds.tumble import tumble
 from detumble.analysis.bounds.turn import Agility
+from detumble.quaternions import Array, conjugate, multiply, rotate
 
 if TYPE_CHECKING:
     from detumble.analysis.bounds.pursuit import Pursuit
@@ -55,9 +56,7 @@ class Goal:
             return cls(state, radius, speed)
         attitudes, rates = tumbling
         arm, spread = (pursuit.grasp_points[1] - pursuit.grasp_points[0], 0.0) if aligned else _arm(pursuit)
-        half = 0.5 * pursuit.mean_motion * times[:, None]
-        turned = np.concatenate((np.cos(half), np.sin(half) * np.array([0.0, 0.0, 1.0])), axis=-1)
-        in_lvlh = multiply(conjugate(multiply(pursuit.lvlh_attitude, turned)), attitudes)  # q_HD
+        in_lvlh = multiply(conjugate(pursuit.lvlh_turned(pursuit.mean_motion * times)), attitudes)  # q_HD
         spin = rotate(in_lvlh, rates) - np.array([0.0, 0.0, pursuit.mean_motion])
         place = rotate(in_lvlh, arm)
         state[:, 3:] = np.cross(spin, place)

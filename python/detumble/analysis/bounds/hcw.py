@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from detumble.analysis.bounds.tumble import Array
+from detumble.quaternions import Array
 
 
 def _entire(x: Array) -> tuple[Array, Array, Array]:

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from detumble.analysis.bounds.translation import Reach
-from detumble.analysis.bounds.tumble import Array
 from detumble.analysis.bounds.turn import Agility
 from detumble.compiled import tick_times
+from detumble.quaternions import Array, about_z, multiply
 
 
 def _given(actuators: Mapping[str, Any], what: str) -> Array:
@@ -84,6 +84,10 @@ class Pursuit:
     def time_of(self, tick: int) -> float:
         """Give the time of a control tick, s, as flights report it."""
         return float(tick_times(self.period, [tick])[0])
+
+    def lvlh_turned(self, angle: Array) -> Array:
+        """Attitudes (n, 4) H → N after H has turned by angles (n,), rad, since t = 0."""
+        return multiply(self.lvlh_attitude, about_z(angle))
 
     @cached_property
     def reach(self) -> Reach:

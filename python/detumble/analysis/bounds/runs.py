@@ -24,14 +24,14 @@ from detumble.analysis.bounds.detumbling import detumble_lower, largest_moment
 from detumble.analysis.bounds.earliest import minimum_capture_times
 from detumble.analysis.bounds.fuel import delta_v_lower
 from detumble.analysis.bounds.pursuit import Pursuit, start_of
-from detumble.campaigns.runs.workers import available_threads
+from detumble.surroundings import available_threads
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
     from typing import Self
 
-    from detumble.analysis.bounds.tumble import Array
     from detumble.analysis.trials import Trials
+    from detumble.quaternions import Array
 
 CHASE = (
     "start.",

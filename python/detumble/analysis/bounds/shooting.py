@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 
 from detumble.analysis.bounds.chase import Motion
-from detumble.analysis.bounds.tumble import Array
 from detumble.errors import RequestError
+from detumble.quaternions import Array
 
 SOONEST_INTERVALS = 30
 TIMED_INTERVALS = 48

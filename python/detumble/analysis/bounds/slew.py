@@ -16,7 +16,8 @@ import numpy as np
 from detumble.analysis.bounds.attitude import Turn, earliest_attitude, excess
 from detumble.analysis.bounds.chase import MOST_TURN, Motion, chase
 from detumble.analysis.bounds.shooting import KNOTS, SOONEST_INTERVALS, TIMED_INTERVALS, on_time, soonest
-from detumble.analysis.bounds.tumble import Array, tumble
+from detumble.analysis.bounds.tumble import tumble
+from detumble.quaternions import Array
 
 if TYPE_CHECKING:
     from collections.abc import Callable

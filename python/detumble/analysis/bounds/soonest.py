@@ -17,7 +17,7 @@ import numpy as np
 from detumble.analysis.bounds.course import Course
 from detumble.analysis.bounds.pursuit import Pursuit
 from detumble.analysis.bounds.transfer import Bracket, Task, Transfer, pieces
-from detumble.analysis.bounds.tumble import Array
+from detumble.quaternions import Array
 
 STUCK = 1e-7  # share of the time by which a proof must advance
 CLOSE = 1e-4  # gap that ends the search from above

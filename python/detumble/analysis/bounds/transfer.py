@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from detumble.analysis.bounds.goal import Goal, Restlessness
 from detumble.analysis.bounds.hcw import hcw, held
-from detumble.analysis.bounds.tumble import Array
+from detumble.quaternions import Array
 
 if TYPE_CHECKING:
     from detumble.analysis.bounds.pursuit import Pursuit

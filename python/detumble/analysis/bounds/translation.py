@@ -19,7 +19,7 @@ import numpy as np
 from scipy.optimize import nnls  # type: ignore[import-untyped]
 
 from detumble.analysis.bounds.hcw import hcw, kernel_bend
-from detumble.analysis.bounds.tumble import Array
+from detumble.quaternions import Array
 
 ROUND_OFF = 1e-9  # relative margin that a certificate must show
 ROUNDS = 60  # directions tried at one tick at most

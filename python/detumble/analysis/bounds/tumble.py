@@ -17,45 +17,14 @@ the elliptic functions lose their period, and the motion is integrated instead (
 from __future__ import annotations
 
 import math
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ellipj, ellipkinc  # type: ignore[import-untyped]
 
-Array: TypeAlias = NDArray[np.float64]
+from detumble.quaternions import Array, conjugate, multiply
 
 SEPARATRIX = 1e-8  # closer to it than this, 1 - m has too few digits left
 CELL_ANGLE = 0.1  # rad turned in one quadrature cell: three nodes leave 1e-13
-
-
-def multiply(p: Array, q: Array) -> Array:
-    """Hamilton product of quaternions (..., 4), scalar first."""
-    p0, p1, p2, p3 = np.moveaxis(p, -1, 0)
-    q0, q1, q2, q3 = np.moveaxis(q, -1, 0)
-    return np.stack(
-        (
-            p0 * q0 - p1 * q1 - p2 * q2 - p3 * q3,
-            p0 * q1 + p1 * q0 + p2 * q3 - p3 * q2,
-            p0 * q2 - p1 * q3 + p2 * q0 + p3 * q1,
-            p0 * q3 + p1 * q2 - p2 * q1 + p3 * q0,
-        ),
-        axis=-1,
-    )
-
-
-def conjugate(q: Array) -> Array:
-    """Conjugate of quaternions (..., 4)."""
-    turned_back: Array = q * np.array([1.0, -1.0, -1.0, -1.0])
-    return turned_back
-
-
-def rotate(q: Array, v: Array) -> Array:
-    """Body vectors v (..., 3) turned by attitudes q (..., 4) into the reference axes."""
-    scalar, vector = q[..., :1], q[..., 1:]
-    twice = 2.0 * np.cross(vector, v)
-    turned: Array = v + scalar * twice + np.cross(vector, twice)
-    return turned
 
 
 def tumble(inertia: Array, attitude: Array, rate: Array, period: float, ticks: int) -> tuple[Array, Array]:

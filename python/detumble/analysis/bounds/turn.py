@@ -28,7 +28,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from detumble.analysis.bounds.tumble import Array, conjugate, multiply, rotate
+from detumble.quaternions import Array, conjugate, multiply, rotate, rotation_angle
 
 ROUND_OFF = 1e-7  # rad and rad/s that a certificate must show
 
@@ -169,9 +169,7 @@ def excluded(
 
 def angle_between(attitude: Array, others: Array) -> Array:
     """Angles (...) rad between an attitude (4,) and others (..., 4), the short way round."""
-    turn = multiply(conjugate(attitude), others)
-    angles: Array = 2.0 * np.arctan2(np.linalg.norm(turn[..., 1:], axis=-1), np.abs(turn[..., 0]))
-    return angles
+    return rotation_angle(multiply(conjugate(attitude), others))
 
 
 def trapezoids(curves: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Several laws with equal means on the same runs: which is better, at what, how surely, and how far from the bound."""
+"""Comparison of control laws with equal tuning on common runs: order, significance, distance from the bound, robustness."""
 
 from detumble.analysis.comparing.comparer import compare
 from detumble.analysis.comparing.entries import Entry, entries_of

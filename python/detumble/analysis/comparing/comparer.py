@@ -1,8 +1,8 @@
-"""A comparison from its plan to its result: tune, judge on held-out runs, bound, change something, test, order.
+"""A comparison from its plan to its result: tune, judge on held-out runs, bound, vary the scenario, test, order.
 
-Everybody gets the same: budget, objective, horizon, training starts, seeds of the searches. Each entry is tuned several times,
-since one search may be lucky; the tuning of the least cost on the training starts is judged, and the others tell how much
-luck there was. Nothing that is reported was measured on the training starts, but their own cost.
+All entries get the same budget, objective, horizon, training starts and seeds of the searches. Each entry is tuned several
+times, since one search may be lucky; the tuning of the least cost on the training starts is judged, and the others show the
+spread. All that is reported was measured on held-out runs, except the training cost itself.
 """
 
 from __future__ import annotations
@@ -16,28 +16,31 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from detumble import __version__
 from detumble.analysis.bounds.runs import capture_bounds, delta_v_bounds, settling_bounds
 from detumble.analysis.comparing.entries import check_entries, entries_of
 from detumble.analysis.comparing.judge import Runs, Verdict, fly
-from detumble.analysis.comparing.plan import RECORDS, SPREAD, Plan, Unwatched, Watcher
+from detumble.analysis.comparing.judged import Judged, Tuning
+from detumble.analysis.comparing.pairs import pairs_of, ranking_of
+from detumble.analysis.comparing.plan import RECORDS, SPREAD, Plan
 from detumble.analysis.comparing.ranking import Score
 from detumble.analysis.comparing.ratios import FUEL_RUNS, Ratio
-from detumble.analysis.comparing.result import FILES, PLAN, Comparison, Judged, Tuning, pairs_of, ranking_of
+from detumble.analysis.comparing.result import FILES, PLAN, Comparison
 from detumble.analysis.comparing.robustness import flights, robustness, sweeps_of
 from detumble.analysis.trials import Trials
 from detumble.analysis.tuning import tune
 from detumble.analysis.tuning.gains import mean_acceleration
 from detumble.analysis.tuning.horizon import default_horizon
 from detumble.analysis.tuning.space import space_of
-from detumble.checking import MOST_SEED, flag, instance, whole
+from detumble.checking import MOST_SEED, flag, instance, thread_count
 from detumble.compiled import check_gains
 from detumble.errors import RequestError
+from detumble.progress import Watcher
 from detumble.results import results_folder
 from detumble.scenario.core import case
 from detumble.scenario.files import given
 from detumble.scenario.laws import LAWS
 from detumble.scenario.model import Scenario
+from detumble.version import __version__
 from detumble.writing import named_folder, output_folder, read_bytes, write_text
 
 if TYPE_CHECKING:
@@ -46,7 +49,7 @@ if TYPE_CHECKING:
 
     from detumble.analysis.comparing.entries import Entry
     from detumble.analysis.comparing.robustness import Curve
-    from detumble.campaigns.statistics.intervals import Array
+    from detumble.intervals import Array
 
 
 def compare(
@@ -63,12 +66,12 @@ def compare(
 
     Args:
         scenario: a scenario, or what `load` takes; its gains are what the searches begin with.
-        entries: who; None is every law, printed and corrected (as given: every law that the scenario has gains for).
-        plan: how; None is the default one.
+        entries: to be compared; None is every law, printed and corrected (as given: every law that the scenario has gains for).
+        plan: budget, objective, runs; None is the default one.
         out: folder for the records of the searches, one scenario file per entry with its gains, and `comparison.json`.
-        resume: go on with the searches that the folder holds.
+        resume: continue the searches that the folder holds.
         threads: to use; None for all processors. The result is the same.
-        watcher: is told how it gets on.
+        watcher: follows the progress, stage by stage.
 
     Raises:
         RequestError: an argument makes no sense, or the folder cannot be used.
@@ -81,15 +84,14 @@ def compare(
         entries = entries_of([law for law in LAWS if not plan.as_given or getattr(scenario.laws, law) is not None])
     check_entries(entries, scenario, as_given=plan.as_given)
     for entry in entries:
-        flown = entry.told(scenario) if plan.as_given else space_of(scenario, entry.law, form=entry.form).base
+        flown = entry.of_scenario(scenario) if plan.as_given else space_of(scenario, entry.law, form=entry.form).base
         check_gains(scenario.title, case(flown, entry.law))
-    if threads is not None:
-        whole("threads", threads, 1, 4096)
+    threads = thread_count(threads)
     folder = named_folder(out, "out") if out is not None else None
     with results_folder(folder, FILES, source):
         if folder is not None:
             _begin(folder, scenario, entries, plan, resume)
-        work = _Work(scenario, plan, folder, resume, threads, watcher or Unwatched())
+        work = _Work(scenario, plan, folder, resume, threads, watcher or Watcher())
         judged = [work.judged(entry) for entry in entries]
         bounds = work.bounds()
         judged = [replace(one, ratios=ratios) for one, ratios in zip(judged, work.ratios(judged, bounds), strict=True)]
@@ -103,7 +105,7 @@ def compare(
 
 
 def _begin(folder: Path, scenario: Scenario, entries: Sequence[Entry], plan: Plan, resume: bool) -> None:
-    """Say in the folder what is compared; make sure that it holds nothing else.
+    """Write into the folder what is compared, and check that it holds no other comparison.
 
     Raises:
         RequestError: the folder holds another comparison, or this one and it is not to be resumed.
@@ -122,7 +124,7 @@ def _begin(folder: Path, scenario: Scenario, entries: Sequence[Entry], plan: Pla
         except (OSError, ValueError) as error:
             raise RequestError(f"{path}: broken: {error}") from None
         known = there if isinstance(there, dict) else {}
-        free = ("runs", "robustness_runs")  # judged anew each time
+        free = ("runs", "robustness_runs")  # can differ, since judging is repeated each time
         differing = [name for name, value in json.loads(text).items() if name not in free and known.get(name) != value]
         if differing:
             raise RequestError(f"{folder}: holds another comparison ({', '.join(differing)} differ)")
@@ -132,7 +134,7 @@ def _begin(folder: Path, scenario: Scenario, entries: Sequence[Entry], plan: Pla
 
 
 class _Work:
-    """What is the same for all entries while they are compared."""
+    """The steps of a comparison, and what all entries share."""
 
     def __init__(
         self,
@@ -152,8 +154,12 @@ class _Work:
         self.sweeps = sweeps_of(scenario) if plan.robust else ()
         self.folder, self.resume, self.threads, self.watcher = folder, resume, threads, watcher
 
+    def _stage(self, title: str, total: int) -> None:
+        self.watcher.stage(title)
+        self.watcher.begin(total)
+
     def judged(self, entry: Entry) -> Judged:
-        """Tune an entry, and fly the held-out runs with what was found."""
+        """Tune an entry, and fly the held-out runs with its best gains."""
         plan = self.plan
         found = (
             [_as_given(entry, self.scenario)] if plan.as_given else [self._tuned(entry, k) for k in range(plan.tunings)]
@@ -176,7 +182,7 @@ class _Work:
         if record:
             with output_folder(record.parent):
                 pass
-        self.watcher.stage(f"{entry.name}: tuning {number + 1} of {plan.tunings}", plan.budget)
+        self.watcher.stage(f"{entry.name}: tuning {number + 1} of {plan.tunings}")
         tuned = tune(
             self.scenario,
             entry.law,
@@ -190,12 +196,12 @@ class _Work:
             record=record,
             resume=self.resume,
             threads=self.threads,
-            watcher=_Search(self.watcher),
+            watcher=self.watcher,
         )
         return Tuning(tuned.optimiser_seed, tuned.scenario, tuned.gains, tuned.cost, tuned.success)
 
     def _flown(self, entry: Entry, scenario: Scenario, runs: int) -> Runs:
-        self.watcher.stage(f"{entry.name}: held-out runs", runs)
+        self._stage(f"{entry.name}: held-out runs", runs)
         return fly(
             scenario, entry.law, self.plan.judging, runs, end=self.end, threads=self.threads, progress=self.watcher.now
         )
@@ -206,20 +212,20 @@ class _Work:
         return Score.of(float(np.mean(runs.succeeded)), objective.required, cost)
 
     def _counted(self, runs: Runs) -> Array:
-        """What each run counts for in the objective."""
+        """Value of each run in the objective."""
         values = self.plan.objective.values(runs.results())[0]
         return np.where(runs.succeeded, np.fmin(values, self.ceiling), self.ceiling)
 
     def bounds(self) -> Array:
         """Bound the capture time of every held-out run: one table for all entries."""
-        self.watcher.stage("least capture time of every run", self.plan.runs)
+        self._stage("least capture time of every run", self.plan.runs)
         trials = Trials(self.scenario, self.plan.judging, 0, self.plan.runs)
         return capture_bounds(trials, processes=self.threads, progress=self.watcher.now)
 
     def ratios(self, judged: Sequence[Judged], bounds: Array) -> list[dict[str, Ratio]]:
-        """Put entries against what any controller could do."""
+        """Divide what each entry achieved by the bounds of its runs."""
         count = min(FUEL_RUNS, self.plan.runs)
-        self.watcher.stage("least Δv of the first runs", count * len(judged))
+        self._stage("least Δv of the first runs", count * len(judged))
         within = np.array([one.runs["capture_time"][:count] for one in judged])
         trials = Trials(self.scenario, self.plan.judging, 0, count)
         fuel = delta_v_bounds(trials, within, processes=self.threads, progress=self.watcher.now)
@@ -236,11 +242,11 @@ class _Work:
         ]
 
     def curves(self, one: Judged) -> tuple[Curve, ...]:
-        """Fly an entry with something changed."""
+        """Fly an entry with each deviation from the scenario."""
         if not self.plan.robust:
             return ()
         count = min(self.plan.robust, self.plan.runs)
-        self.watcher.stage(f"{one.entry.name}: robustness", flights(self.sweeps, count))
+        self._stage(f"{one.entry.name}: robustness", flights(self.sweeps, count))
         return robustness(
             one.tuning.scenario,
             one.entry.law,
@@ -254,18 +260,4 @@ class _Work:
 
 
 def _as_given(entry: Entry, scenario: Scenario) -> Tuning:
-    return Tuning(None, entry.told(scenario), {}, None, None)
-
-
-class _Search:
-    """Passes on how a search gets on."""
-
-    def __init__(self, watcher: Watcher) -> None:
-        self._watcher = watcher
-
-    def begin(self, budget: int) -> None:
-        """Nothing that is not known."""
-
-    def now(self, done: int, cost: float, share: float) -> None:  # noqa: ARG002  # as a search tells it
-        """Pass on how far it is."""
-        self._watcher.now(done)
+    return Tuning(None, entry.of_scenario(scenario), {}, None, None)

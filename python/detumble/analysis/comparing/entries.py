@@ -1,4 +1,4 @@
-"""Who takes part in a comparison: a law in one of its forms, under a name."""
+"""Entries of a comparison: a law in one of its forms, under a name."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, cast
 from detumble.checking import choice, instance, texts
 from detumble.errors import RequestError
 from detumble.scenario.laws import LAWS, TITLES
-from detumble.scenario.wording import did_you_mean
+from detumble.text import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 FORMS: tuple[Form, ...] = ("printed", "corrected")
 MOST_CHARACTERS = 60
-"""Of a name: tables and figures have no room for more."""
+"""Longest name that tables and figures have room for."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Entry:
         """The name as part of a file name: lower case, letters and digits with hyphens between."""
         return re.sub(r"[^a-z0-9]+", "-", self.name.lower()).strip("-")
 
-    def told(self, scenario: Scenario) -> Scenario:
+    def of_scenario(self, scenario: Scenario) -> Scenario:
         """Give a copy of the scenario that flies the law in this form."""
         own = scenario.model_copy(deep=True)
         getattr(own.laws, self.law).form = self.form
@@ -86,12 +86,12 @@ def entries_of(laws: Iterable[str] = LAWS, forms: Iterable[Form] = FORMS) -> tup
 
 
 def check_entries(entries: Sequence[Entry], scenario: Scenario, *, as_given: bool) -> None:
-    """Make sure that entries can be compared.
+    """Check that entries can be compared.
 
     Args:
-        entries: who.
+        entries: to be compared.
         scenario: what is flown.
-        as_given: with the gains that the scenario has.
+        as_given: whether the scenario's own gains are flown.
 
     Raises:
         RequestError: there are fewer than two, two have one name, a name is too long or cannot be printed or a file's, or a law

@@ -1,4 +1,4 @@
-"""An entry on runs that it was not tuned on: what each run came to, and what all of them say.
+"""An entry on runs that it was not tuned on: results run by run, and their statistics.
 
 A run that failed (never captured, or not settled where the bodies merge) has the capture time +∞ and the settled time +∞, so
 that quantiles are those of the whole population, and an entry does not look fast because its slow runs fail. What else exists
@@ -16,10 +16,10 @@ import numpy as np
 
 from detumble.analysis.comparing.paired import quantile
 from detumble.analysis.trials import Change, Results, Trials
-from detumble.campaigns.runs.recipe import SHARD
-from detumble.campaigns.statistics.intervals import Proportion, jsonable
+from detumble.campaigns.recipe import SHARD
 from detumble.campaigns.statistics.summaries import Quantile
-from detumble.campaigns.store.rows import SUCCESS, cause
+from detumble.failures import SUCCESS, cause
+from detumble.intervals import Proportion, jsonable
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from detumble.analysis.tuning.objective import Until
-    from detumble.campaigns.statistics.intervals import Array
+    from detumble.intervals import Array
     from detumble.scenario.model import Scenario
 
 KEPT = (
@@ -46,11 +46,11 @@ KEPT = (
 
 @dataclass(frozen=True)
 class Runs:
-    """What the runs of one entry came to, run by run from the first on.
+    """Results of one entry, run by run from the first on.
 
     Attributes:
-        failure: (n,) the core's code of why a run failed, see `campaigns.store.rows`.
-        columns: by name of the core's summary, see `KEPT`: (n,) SI, NaN where it did not happen.
+        failure: (n,) the core's code of why a run failed, see `detumble.failures`.
+        columns: by name of the core's summary, see `KEPT`: (n,) SI, NaN where the event did not happen.
     """
 
     failure: NDArray[np.uint8]
@@ -63,7 +63,7 @@ class Runs:
         return self.columns[column]
 
     def first(self, count: int) -> Runs:
-        """Give the first runs alone."""
+        """Give the first runs."""
         return Runs(self.failure[:count], {name: values[:count] for name, values in self.columns.items()})
 
     def results(self) -> Results:
@@ -99,7 +99,7 @@ def fly(
     threads: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Runs:
-    """Fly the first runs of the campaign of a scenario and seed, a few at a time.
+    """Fly the first runs of the campaign of a scenario and seed, one shard at a time.
 
     Args:
         scenario: with the gains of the entry.
@@ -107,9 +107,9 @@ def fly(
         seed: of dispersions and noise.
         runs: how many.
         end: how flights end; None as the scenario says.
-        change: what is made otherwise than the scenario says.
+        change: deviation from the scenario.
         threads: to use; None for all processors.
-        progress: called now and then with the number of runs landed; an exception that it raises ends the work.
+        progress: called now and then with the number of runs done; an exception that it raises ends the work.
 
     Raises:
         ScenarioError: the scenario cannot be flown.
@@ -173,12 +173,12 @@ QUANTITIES: dict[str, Callable[[Runs], Array]] = {
     "force_chattering_n_per_s": lambda runs: runs["force_chattering"],
     "torque_chattering_n_m_per_s": lambda runs: runs["torque_chattering"],
 }
-"""What an entry is told by, each from its runs."""
+"""Quantities reported of an entry, each as a function of its runs."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the runs of an entry say.
+    """Statistics of the runs of an entry.
 
     Attributes:
         success: runs that captured, and settled where the bodies merge.

@@ -1,25 +1,25 @@
-"""Do two laws differ? Both fly run i of one campaign, the same start and the same noise, so the runs make pairs (a_i, b_i).
+"""Paired tests of two laws. Both fly run i of one campaign, the same start and the same noise, so the runs make pairs (a_i, b_i).
 
 Sign test (Conover, Practical Nonparametric Statistics, 3rd ed., 1999, §3.4): if neither tends to be lower, then of the pairs
 that differ, lower and higher ones are equally likely, so with l lower, h higher and B ~ Binomial(l + h, ½)
 
     p = min(1, 2 P(B ≤ min(l, h))).
 
-It is exact, asks nothing of the distribution, and takes ties, and values of +∞ for what never happened, as they are. Of
-successes it is the exact test of McNemar (Psychometrika 12, 1947). How large the difference is says the median of
-a_i - b_i, where both never happening is no difference, with an interval from order statistics.
+It is exact, assumes nothing about the distribution, and allows ties and values of +∞ for events that never happened. Of
+successes it is the exact test of McNemar (Psychometrika 12, 1947). The size of the difference is the median of
+a_i - b_i, 0 where the event happens in neither run, with an interval from order statistics.
 
-The sign test sees who is ahead more often, not by how much: who is ahead by little in most runs and fails in a few may have the
-larger mean. So the statistic that entries are ordered by has a test of its own, of what each run counts for in the objective
-(`tuning.objective`; finite, a failed run counts for the ceiling):
+The sign test shows which entry is ahead more often, not by how much: an entry that is ahead by little in most runs and fails in
+a few may have the larger mean. So the statistic that entries are ordered by has a test of its own, of the value of each run in
+the objective (`tuning.objective`; finite, the ceiling for a failed run):
 
-    mean         Student's t of the differences a_i - b_i; asymptotic, what counts being bounded
+    mean         Student's t of the differences a_i - b_i; asymptotic, the values being bounded
     percentile   with c that percentile of all values of both: if both have it there, as many a_i as b_i exceed c. Of the pairs
-                 of which one alone does, the sign test (as McNemar's); c being estimated, it is asymptotic too
+                 of which only one does, the sign test (as McNemar's); c being estimated, it is asymptotic too
 
 Holm (Scandinavian Journal of Statistics 6, 1979): with the p-values of m tests in rising order, the k-th becomes
 max_{j ≤ k} (m - j + 1) p_(j). Below 0.05 it is significant, and the chance that any test of the family finds a difference
-where there is none is at most 0.05, however the tests hang together.
+where there is none is at most 0.05, however the tests depend on each other.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from detumble.campaigns.statistics.intervals import jsonable, quantile_ranks
 from detumble.campaigns.statistics.summaries import Quantile
+from detumble.intervals import jsonable, quantile_ranks
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from detumble.campaigns.statistics.intervals import Array
+    from detumble.intervals import Array
 
 ROUND_OFF = 1e-9
 """Relative: sums of times that are the same number of control periods differ in their last bits."""
@@ -44,14 +44,14 @@ ROUND_OFF = 1e-9
 
 @dataclass(frozen=True)
 class Difference:
-    """What the pairs (a_i, b_i) say.
+    """Sign test of the pairs (a_i, b_i).
 
     Attributes:
         lower: pairs with a_i < b_i.
         higher: pairs with a_i > b_i.
         ties: pairs that are equal.
-        median: of a_i - b_i, in their unit; None without pairs. Infinite where one of the two never happens as a rule.
-        p: of the sign test, for itself.
+        median: of a_i - b_i, in their unit; None without pairs. Infinite where in most pairs only one of the two is finite.
+        p: of the sign test, not adjusted.
     """
 
     lower: int
@@ -89,7 +89,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class Shift:
-    """How far the objective's statistic of one entry lies from that of another.
+    """Difference of the objective's statistic between two entries.
 
     Attributes:
         value: the first less the second, in the objective's unit.
@@ -104,7 +104,7 @@ class Shift:
         """Compare pairs.
 
         Args:
-            a: (n,) what the runs count for, finite.
+            a: (n,) values of the runs in the objective, finite.
             b: (n,) likewise, in the same order.
             percentile: the statistic, in (0, 100]; None is the mean.
         """

@@ -1,12 +1,13 @@
-"""How a comparison is made: the same for every entry."""
+"""Plan of a comparison, the same for every entry."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 from detumble.analysis.tuning import Objective
-from detumble.checking import MOST_SEED, real, wholes
+from detumble.analysis.tuning.setting import BUDGET, STARTS
+from detumble.checking import MOST_SEED, real, seed_number, whole
 from detumble.errors import RequestError
 
 SPREAD = 10_000
@@ -16,43 +17,21 @@ RECORDS = "records"
 """Folder of the records of the searches, within that of the comparison."""
 
 
-class Watcher(Protocol):
-    """Is told how a comparison gets on."""
-
-    def stage(self, what: str, total: int) -> None:
-        """A part of the work begins, so many units long."""
-        ...
-
-    def now(self, done: int) -> None:
-        """So many units of it are done."""
-        ...
-
-
-class Unwatched:
-    """Nobody looks."""
-
-    def stage(self, what: str, total: int) -> None:
-        """Say nothing."""
-
-    def now(self, done: int) -> None:
-        """Say nothing."""
-
-
 @dataclass(frozen=True)
 class Plan:
-    """What every entry is given, and what it is judged on.
+    """Budget of every entry, and the runs that it is judged on.
 
     Attributes:
-        objective: that gains are tuned for and entries are ordered by.
+        objective: gains are tuned for it, and entries ordered by it.
         horizon: s, of the flights of the tuning; None as `analysis.tuning.horizon` has it.
         budget: candidates of each tuning.
         starts: runs that each candidate flies.
         tunings: independent searches of each entry.
         seed: of the training starts; the searches have the seeds from this one on.
-        held_out: seed of the runs that entries are judged on; None is the next one.
-        runs: that they are judged on.
-        robust: of these, how many are flown again with something changed; 0 leaves that out.
-        as_given: nothing is tuned; the scenario's own gains are judged.
+        held_out: seed of the runs that entries are judged on; None is `seed` + 1.
+        runs: number of runs that entries are judged on.
+        robust: number of these that are flown again with each deviation from the scenario; 0 leaves that out.
+        as_given: whether the scenario's own gains are judged, and nothing is tuned.
     """
 
     objective: Objective = field(default_factory=Objective)
@@ -67,21 +46,23 @@ class Plan:
     as_given: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse what makes no sense.
+        """Check the attributes.
 
         Raises:
-            RequestError: naming the argument.
+            RequestError: one makes no sense.
         """
-        wholes(self, seed=(0, MOST_SEED))
-        if self.held_out is None:
-            object.__setattr__(self, "held_out", self.seed + 1 if self.seed < MOST_SEED else 0)
-        ranges = {"seed": (0, MOST_SEED), "held_out": (0, MOST_SEED), "budget": (1, 10**9), "starts": (1, 10**6)}
-        ranges |= {"tunings": (1, 100), "runs": (1, 10**7), "robust": (0, 10**7)}
-        wholes(self, **ranges)
+        seed = seed_number("seed", self.seed)
+        held_out = (seed + 1) % (MOST_SEED + 1) if self.held_out is None else seed_number("held_out", self.held_out)
+        if held_out == seed:
+            raise RequestError(f"held_out {held_out}: must not be the seed of the training starts")
+        read: dict[str, Any] = {"seed": seed, "held_out": held_out}
+        ranges = {"budget": BUDGET, "starts": STARTS, "tunings": (1, 100), "runs": (1, 10**7), "robust": (0, 10**7)}
+        for name, (least, most) in ranges.items():
+            read[name] = whole(name, getattr(self, name), least, most)
         if self.horizon is not None:
-            object.__setattr__(self, "horizon", real("horizon", self.horizon, above=0.0, unit="s"))
-        if self.held_out == self.seed:
-            raise RequestError(f"held_out {self.held_out}: must not be the seed of the training starts")
+            read["horizon"] = real("horizon", self.horizon, above=0.0, unit="s")
+        for name, value in read.items():
+            object.__setattr__(self, name, value)
 
     @property
     def judging(self) -> int:

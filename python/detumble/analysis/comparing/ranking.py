@@ -1,4 +1,4 @@
-"""Who is better than whom: an order in which nothing stands that the runs do not show.
+"""A partial order of entries that contains only what the runs show.
 
 A score orders entries: those whose success reaches the required share come before those that do not; among the former the
 objective's statistic decides, among the latter the share of failures. An entry was tuned several times, which gives it a
@@ -12,9 +12,9 @@ score for each tuning, all on held-out runs. A is above B when all of this holds
 3. the difference is of use: at least one control period of time, 0.5 % of runs, or 0.5 % of Δv.
 
 The scores of an entry make an interval, and by the first rule A is above B only if its interval lies wholly before B's. So no
-circle is possible. Where A is above B and B above C, A is above C too, by consequence. What is not above or below ties:
-it was not told apart, which is not to say that it is equal. The rank of an entry is one more than the number of those above it,
-and entries that share a letter tie.
+circle is possible. Where A is above B and B above C, A is above C too, by consequence. Entries neither above nor below each
+other tie: no difference was shown, which does not prove that they are equal. The rank of an entry is one more than the number
+of those above it, and entries that share a letter tie.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 SIGNIFICANT = 0.05
 SHARE = 0.005
-"""Least difference of a share of runs, and of Δv relative to the smaller one, that is of use."""
+"""Least useful difference: of a share of runs, and of Δv relative to the smaller one."""
 
 
 @dataclass(frozen=True, order=True)
@@ -73,20 +73,20 @@ def rank(scores: Sequence[Sequence[Score]], distinct: Callable[[int, int], bool]
 
     Args:
         scores: of each entry, one for each tuning.
-        distinct: whether the first entry was shown to be better than the second by enough, scores apart (2. and 3. above).
+        distinct: whether the first entry was shown to be better than the second by enough (2. and 3. above).
     """
     count = len(scores)
     above = np.zeros((count, count), np.bool_)
     for one, other in itertools.permutations(range(count), 2):
         above[one, other] = max(scores[one]) < min(scores[other]) and distinct(one, other)
-    for middle in range(count):  # what follows (Warshall)
+    for middle in range(count):  # transitive closure (Warshall)
         above |= np.outer(above[:, middle], above[middle])
     ranks = tuple(int(number) + 1 for number in above.sum(axis=0))
     return Ranking(above, ranks, _letters(above, ranks))
 
 
 def _letters(above: NDArray[np.bool_], ranks: Sequence[int]) -> tuple[str, ...]:
-    """Name the largest groups of which no two members are apart, the better ones first."""
+    """Name the maximal groups of entries that tie pairwise, the better groups first."""
     ties = ~(above | above.T)
     groups: list[set[int]] = []
 
@@ -94,8 +94,8 @@ def _letters(above: NDArray[np.bool_], ranks: Sequence[int]) -> tuple[str, ...]:
         if not candidates and not done:
             groups.append(group)
         for entry in sorted(candidates):
-            friends = {other for other in range(len(ranks)) if ties[entry, other] and other != entry}
-            grow(group | {entry}, candidates & friends, done & friends)
+            tied = {other for other in range(len(ranks)) if ties[entry, other] and other != entry}
+            grow(group | {entry}, candidates & tied, done & tied)
             candidates = candidates - {entry}
             done = done | {entry}
 

@@ -1,4 +1,4 @@
-"""How far an entry stays from what any controller could do, run by run: 1 would be perfect.
+"""Ratio of what an entry achieved to the bound of any controller, run by run: 1 would be perfect.
 
     time       capture time over the earliest capture from that run's own start          (`bounds.earliest`)
     Δv         Δv to capture over the least Δv of a capture by that run's own time       (`bounds.fuel`), the first runs only
@@ -20,12 +20,12 @@ import numpy as np
 from detumble.analysis.comparing.judge import Figures
 
 if TYPE_CHECKING:
-    from detumble.campaigns.statistics.intervals import Array
+    from detumble.intervals import Array
 
 ROUND_OFF = 1e-9
 """Relative: times are sums of periods."""
 FUEL_RUNS = 200
-"""Runs of which the Δv is put against its bound."""
+"""Number of runs whose Δv is divided by its bound."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Ratio:
 
     Attributes:
         values: (n,) NaN where the run has none.
-        free: runs whose bound is 0.
+        free: number of runs whose bound is 0.
         broken: indices of runs that would have beaten their bound.
     """
 
@@ -44,7 +44,7 @@ class Ratio:
 
     @classmethod
     def of(cls, values: Array, bounds: Array) -> Ratio:
-        """Put values (n,) against lower bounds (n,); NaN in either is no ratio."""
+        """Divide values (n,) by lower bounds (n,); NaN in either gives no ratio."""
         known = ~np.isnan(values) & ~np.isnan(bounds)
         free = known & (bounds <= 0.0)
         ratios = np.divide(values, bounds, out=np.full(len(values), np.nan), where=known & ~free)

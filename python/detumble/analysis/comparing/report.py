@@ -6,30 +6,23 @@ import math
 import textwrap
 from typing import TYPE_CHECKING
 
+from detumble.analysis.comparing.pairs import METRICS, OBJECTIVES, STATISTIC
 from detumble.analysis.comparing.plan import SPREAD
 from detumble.analysis.comparing.ratios import FUEL_RUNS
-from detumble.analysis.comparing.result import OBJECTIVES, STATISTIC
-from detumble.analysis.tuning.objective import MEANINGS
-from detumble.commands.printing import fixed, table
+from detumble.tables import fixed, table
 
 if TYPE_CHECKING:
-    from detumble.analysis.comparing.result import Comparison, Judged, Pair
+    from detumble.analysis.comparing.judged import Judged
+    from detumble.analysis.comparing.pairs import Pair
+    from detumble.analysis.comparing.result import Comparison
     from detumble.campaigns.statistics.summaries import Quantile
 
-METRIC_TITLES = {
-    "failed": ("share of runs that fail", "%", 2, 100.0),
-    "capture_time_s": ("capture time", "s", 2, 1.0),
-    "settled_time_s": ("time until settled", "s", 2, 1.0),
-    "delta_v_to_capture_m_s": ("Δv to capture", "m/s", 4, 1.0),
-    "delta_v_m_s": ("Δv", "m/s", 4, 1.0),
-}
-"""Of a metric of pairs: its name, unit, decimals and factor."""
 SHOWN = {"belief": (0.5, 0.7, 1.3, 1.5), "noise": (3.0, 10.0), "control_period_s": (0.2, 0.5, 1.0)}
-"""Changes in the table; the file has them all."""
+"""Deviations in the table; the JSON file has them all."""
 
 
 def text_of(comparison: Comparison) -> str:
-    """Write the tables: who is where, how surely, how far from the bound, how much luck, and who minds what."""
+    """Write the tables: order, statistics, distance from the bound, paired tests, spread of the tunings, robustness."""
     parts = [
         _headline(comparison),
         _standings(comparison),
@@ -49,7 +42,9 @@ def _headline(comparison: Comparison) -> str:
     budget, starts = _counted(plan.budget, "evaluation"), _counted(plan.starts, "start")
     searched = f"{_counted(plan.tunings, 'tuning')} each of {budget} on {starts} of seed {plan.seed}"
     how = f"{'gains as given' if plan.as_given else searched}, horizon {plan.horizon:.4g} s"
-    goal = f"{plan.objective.statistic} of {MEANINGS[plan.objective.what]}, success at least {100 * plan.objective.required:g} %"
+    goal = (
+        f"{plan.objective.statistic} of {plan.objective.meaning}, success at least {100 * plan.objective.required:g} %"
+    )
     return f"{comparison.scenario.title}\n{goal}; {how}\njudged on {_counted(plan.runs, 'run')} of seed {plan.judging}"
 
 
@@ -83,13 +78,13 @@ def _standings(comparison: Comparison) -> str:
 
 def _notes(comparison: Comparison) -> str:
     lines = [
-        "Times are medians and 95th percentiles of all runs, failed ones never getting there (–); Δv to capture and",
-        "saturation are medians. Entries with a common letter were not told apart.",
+        "Times are medians and 95th percentiles of all runs, failed ones counting as infinite (–); Δv to capture and",
+        "saturation are medians. Entries with a common letter tie.",
     ]
     short = [judged.entry.name for judged in comparison.entries if judged.score.short]
     if short:
-        told = f"Short of the required success, hence ordered by it, after all others: {', '.join(short)}."
-        lines += textwrap.wrap(told, 110)
+        sentence = f"Short of the required success, hence ordered by it, after all others: {', '.join(short)}."
+        lines += textwrap.wrap(sentence, 110)
     return "\n".join(lines)
 
 
@@ -114,15 +109,15 @@ def _ratios(comparison: Comparison) -> str:
 
 
 def _against(comparison: Comparison) -> str:
-    """The first of the order against each of the others, in the objective and in success."""
+    """Compare the first of the order with each of the others, in the objective and in success."""
     order = comparison.ordered
-    metric = OBJECTIVES[comparison.plan.objective.what]
-    title, unit, decimals, factor = METRIC_TITLES[metric]
+    name = OBJECTIVES[comparison.plan.objective.what]
+    metric = METRICS[name]
     first = comparison.entries[order[0]].entry.name
     rows: list[tuple[str, ...]] = [
         (
             f"{first} against",
-            f"{title}: median difference {unit}",
+            f"{metric.title}: median difference {metric.unit}",
             "95 % interval",
             "better / worse in runs",
             "p",
@@ -132,23 +127,23 @@ def _against(comparison: Comparison) -> str:
     ]
     for place in order[1:]:
         pair = comparison.pair(order[0], place)
-        difference, sign = pair.differences[metric], 1.0 if pair.places[0] == order[0] else -1.0
+        difference, sign = pair.differences[name], 1.0 if pair.places[0] == order[0] else -1.0
         counts = (difference.lower, difference.higher)
         better, worse = counts if sign > 0 else counts[::-1]
         rows.append(
             (
                 comparison.entries[place].entry.name,
-                _signed(sign * factor * difference.median.value, decimals) if difference.median else "–",
-                _between(pair, metric, sign * factor, decimals),
+                _signed(sign * metric.factor * difference.median.value, metric.decimals) if difference.median else "–",
+                _between(pair, name, sign * metric.factor, metric.decimals),
                 f"{better} / {worse}",
-                _p(pair.adjusted[metric]),
+                _p(pair.adjusted[name]),
                 _p(pair.adjusted[STATISTIC]),
                 _p(pair.adjusted["failed"]),
             )
         )
     notes = [
         "p: of better against worse; p of the statistic and of success: of these themselves; all adjusted by Holm over all pairs",
-        "and tests. -inf, +inf: in most runs one of the two alone gets there.",
+        "and tests. -inf, +inf: in most runs only one of the two succeeds.",
     ]
     return "\n".join([table(rows), *notes])
 
@@ -226,7 +221,7 @@ def _counted(number: int, what: str) -> str:
 
 
 def _second_column_left(rows: list[tuple[str, ...]]) -> str:
-    """Write a table whose second column, too, stands to the left."""
+    """Write a table whose second column is aligned to the left too."""
     width = max(len(row[1]) for row in rows)
     return table([(f"{row[0]:>4}  {row[1]:<{width}}", *row[2:]) for row in rows])
 
@@ -236,7 +231,7 @@ def _number(found: Quantile | None, decimals: int, factor: float = 1.0) -> str:
 
 
 def _signed(number: float, decimals: int) -> str:
-    """Write a difference; infinite is where one of the two never gets there as a rule."""
+    """Write a difference; infinite where only one of the two succeeds in most runs."""
     return f"{number:+}" if math.isinf(number) else fixed(number, decimals)
 
 

@@ -1,229 +1,41 @@
-"""What a comparison found: every entry on held-out runs, every pair of them, and the order that this allows."""
+"""Result of a comparison: every entry on held-out runs, every pair of them, and their order."""
 
 from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from detumble.analysis.comparing.paired import Difference, Shift, holm
-from detumble.analysis.comparing.ranking import SHARE, SIGNIFICANT, Ranking, Score, rank
+from detumble.analysis.comparing.pairs import METRICS, OBJECTIVES, STATISTIC
+from detumble.analysis.comparing.ranking import SIGNIFICANT
+from detumble.analysis.tuning.objective import MEANINGS
 from detumble.results import results_folder
 from detumble.writing import output_folder, write_text
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
-    from detumble.analysis.comparing.entries import Entry
-    from detumble.analysis.comparing.judge import Runs, Verdict
+    from detumble.analysis.comparing.judged import Judged
+    from detumble.analysis.comparing.pairs import Pair
     from detumble.analysis.comparing.plan import Plan
-    from detumble.analysis.comparing.ratios import Ratio
-    from detumble.analysis.comparing.robustness import Curve
-    from detumble.campaigns.statistics.intervals import Array
+    from detumble.analysis.comparing.ranking import Ranking
+    from detumble.intervals import Array
     from detumble.scenario.model import Scenario
+    from detumble.show.compare import Matrix, Sheet, SweepCurves
 
-METRICS: dict[str, Callable[[Runs], Array]] = {
-    "failed": lambda runs: np.where(runs.succeeded, 0.0, 1.0),
-    "capture_time_s": lambda runs: runs.capture_time,
-    "settled_time_s": lambda runs: runs.settled_time,
-    "delta_v_to_capture_m_s": lambda runs: runs["delta_v_to_capture"],
-    "delta_v_m_s": lambda runs: np.where(runs.succeeded, runs["delta_v"], np.nan),
-}
-"""What pairs are tested for, less being better in all; of Δv only runs count in which both have one."""
-OBJECTIVES = {
-    "capture": "capture_time_s",
-    "settling": "settled_time_s",
-    "delta_v": "delta_v_to_capture_m_s",
-    "delta_v_total": "delta_v_m_s",
-}
-"""The metric of each objective."""
 PLAN = "plan.json"
-"""Says in the folder what is compared."""
+"""Name of the file that says what is compared."""
 FIGURES = tuple(f"figures/{name}.png" for name in ("capture-times", "pairs", "robustness"))
 FILES = (PLAN, "comparison.json", "scenario.toml", "tuned/*.toml", *FIGURES)
 """Patterns of what a comparison writes, beside the records of its searches."""
-STATISTIC = "statistic"
-"""Name of the test of the objective's statistic among those of a pair."""
-
-
-@dataclass(frozen=True)
-class Tuning:
-    """One set of gains of an entry.
-
-    Attributes:
-        optimiser_seed: of the search; None for gains that are flown as given.
-        scenario: with these gains.
-        gains: by path within the law's table, as found; empty as given.
-        cost: on the training starts; None as given.
-        training_success: share of the training starts; None as given.
-        verdict: on the first held-out runs; None before they are flown.
-        score: likewise.
-    """
-
-    optimiser_seed: int | None
-    scenario: Scenario
-    gains: Mapping[str, float]
-    cost: float | None
-    training_success: float | None
-    verdict: Verdict | None = None
-    score: Score | None = None
-
-    def to_json(self) -> dict[str, Any]:
-        """Give it as JSON takes it."""
-        assert self.verdict is not None
-        assert self.score is not None
-        return {
-            "optimiser_seed": self.optimiser_seed,
-            "gains": dict(self.gains),
-            "training_cost": self.cost,
-            "training_success": self.training_success,
-            "held_out_runs": self.verdict.success.runs,
-            **self.verdict.success.to_json("success"),
-            "short_of_required": self.score.short,
-            "objective": None if self.score.short else self.score.value,
-            "capture_time_s": self.verdict.figures["capture_time_s"].to_json(),
-        }
-
-
-@dataclass(frozen=True)
-class Judged:
-    """One entry and what it came to.
-
-    Attributes:
-        entry: who.
-        tunings: all of its sets of gains, in the order of their seeds.
-        chosen: place of the one of the least training cost, which is judged.
-        runs: the held-out runs of that.
-        counted: (n,) what each of them counts for in the objective, in its unit; a failed one for the ceiling.
-        verdict: what they say.
-        score: on all of them.
-        ratios: `time`, `delta_v`, `settling`: see `ratios`.
-        curves: robustness; empty where it was left out.
-    """
-
-    entry: Entry
-    tunings: tuple[Tuning, ...]
-    chosen: int
-    runs: Runs
-    counted: Array
-    verdict: Verdict
-    score: Score
-    ratios: Mapping[str, Ratio] = field(default_factory=dict)
-    curves: tuple[Curve, ...] = ()
-
-    @property
-    def tuning(self) -> Tuning:
-        """The set of gains that is judged."""
-        return self.tunings[self.chosen]
-
-    @property
-    def scores(self) -> list[Score]:
-        """On held-out runs, one for each tuning: on all of them for the chosen one, on the first for the others."""
-        others = [tuning.score for place, tuning in enumerate(self.tunings) if place != self.chosen]
-        return [self.score, *(score for score in others if score is not None)]
-
-    def to_json(self) -> dict[str, Any]:
-        """Give it as JSON takes it."""
-        return {
-            "name": self.entry.name,
-            "law": self.entry.law,
-            "form": self.entry.form,
-            "chosen_tuning": self.chosen,
-            "short_of_required": self.score.short,
-            "objective": None if self.score.short else self.score.value,
-            **self.verdict.to_json(),
-            "ratios": {name: ratio.to_json() for name, ratio in self.ratios.items()},
-            "tunings": [tuning.to_json() for tuning in self.tunings],
-            "robustness": {curve.sweep.key: curve.to_json() for curve in self.curves},
-        }
-
-
-@dataclass(frozen=True)
-class Pair:
-    """Two entries on common runs.
-
-    Attributes:
-        places: of both among the entries.
-        differences: by metric, see `METRICS`: the first less the second.
-        shift: of the objective's statistic.
-        adjusted: p-values by metric, and by `STATISTIC`, after Holm's adjustment over all pairs and tests.
-    """
-
-    places: tuple[int, int]
-    differences: Mapping[str, Difference]
-    shift: Shift
-    adjusted: Mapping[str, float]
-
-    def better(self, place: int, metric: str) -> bool:
-        """Tell whether an entry of the pair is significantly better in a metric: in more runs than the other way round."""
-        difference = self.differences[metric]
-        ahead = difference.lower > difference.higher
-        behind = difference.higher > difference.lower
-        return self.adjusted[metric] < SIGNIFICANT and (ahead if place == self.places[0] else behind)
-
-
-def pairs_of(entries: Sequence[Judged], percentile: float | None = None) -> tuple[Pair, ...]:
-    """Test every pair of entries for every metric and for the objective's statistic, and adjust the p-values as one family.
-
-    Args:
-        entries: who.
-        percentile: the statistic; None is the mean.
-    """
-    couples = list(itertools.combinations(range(len(entries)), 2))
-    found = [_differences(entries[one].runs, entries[other].runs) for one, other in couples]
-    shifts = [Shift.of(entries[one].counted, entries[other].counted, percentile) for one, other in couples]
-    alone = [
-        [*(difference.p for difference in differences.values()), shift.p]
-        for differences, shift in zip(found, shifts, strict=True)
-    ]
-    adjusted = iter(holm(np.ravel(alone)).tolist())
-    return tuple(
-        Pair(places, differences, shift, {name: next(adjusted) for name in (*differences, STATISTIC)})
-        for places, differences, shift in zip(couples, found, shifts, strict=True)
-    )
-
-
-def _differences(one: Runs, other: Runs) -> dict[str, Difference]:
-    found = {}
-    for name, values in METRICS.items():
-        a, b = values(one), values(other)
-        both = ~(np.isnan(a) | np.isnan(b))
-        found[name] = Difference.of(a[both], b[both])
-    return found
-
-
-def ranking_of(entries: Sequence[Judged], pairs: Sequence[Pair], objective: str, period: float) -> Ranking:
-    """Order entries by the rules of `ranking`.
-
-    Args:
-        entries: who.
-        pairs: of them.
-        objective: what was made small: a key of `OBJECTIVES`.
-        period: s, of control.
-    """
-    found = {pair.places: pair for pair in pairs}
-
-    def distinct(one: int, other: int) -> bool:
-        pair = found[min(one, other), max(one, other)]
-        a, b = entries[one], entries[other]
-        if a.score.short or b.score.short:
-            gained = a.verdict.success.share - b.verdict.success.share
-            return gained >= SHARE and pair.better(one, "failed")
-        enough = SHARE * a.score.value if objective.startswith("delta_v") else period * (1.0 - 1e-9)
-        shown = pair.better(one, OBJECTIVES[objective]) and pair.adjusted[STATISTIC] < SIGNIFICANT
-        return b.score.value - a.score.value >= enough and shown
-
-    return rank([entry.scores for entry in entries], distinct)
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """All that a comparison found.
+    """Result of a comparison.
 
     Attributes:
         scenario: that was given.
@@ -249,7 +61,7 @@ class Comparison:
 
     @property
     def broken(self) -> list[str]:
-        """Say which runs beat a bound that nothing can beat; empty, as long as nothing is wrong."""
+        """Runs that beat a bound which no controller can beat, in words; empty as long as bounds and core are right."""
         return [
             f"{judged.entry.name}: run {ratio.broken[0]} of seed {self.plan.held_out} beats its {name} bound"
             + (f", and {len(ratio.broken) - 1} more do" if len(ratio.broken) > 1 else "")
@@ -322,6 +134,74 @@ class Comparison:
         Raises:
             RequestError: they cannot be written.
         """
-        from detumble.show.compare import draw
+        from detumble.show.compare import CaptureTimes, Pairs, draw
 
-        return draw(self, folder)
+        best_first = [self.entries[place] for place in self.ordered]
+        times = CaptureTimes(
+            [judged.runs.capture_time for judged in best_first],
+            [judged.times_over_least for judged in best_first],
+            self.bounds,
+        )
+        above = self.ranking.above[np.ix_(self.ordered, self.ordered)]
+        pairs = Pairs([self._matrix(OBJECTIVES[self.plan.objective.what]), self._matrix("failed")], above, SIGNIFICANT)
+        return draw(folder, self._sheet(), times, pairs, self._sweeps() if self.plan.robust else [])
+
+    def _sheet(self) -> Sheet:
+        """Give headline and entries of the pictures, the best first."""
+        from detumble.show.campaign.frame import Caption, counted
+        from detumble.show.compare import Sheet, looks_of
+
+        plan, objective = self.plan, self.plan.objective
+        budget, starts = counted(plan.budget, "evaluation"), counted(plan.starts, "start")
+        searched = f"{counted(plan.tunings, 'tuning')} each of {budget} on {starts}"
+        gains = "gains as given" if plan.as_given else searched
+        goal = f"{objective.statistic} of {MEANINGS[objective.what]}, success at least {100 * objective.required:g} %"
+        looks = looks_of([(judged.entry.name, judged.entry.law, judged.entry.form) for judged in self.entries])
+        return Sheet(
+            Caption(self.scenario.title, "", plan.runs, plan.judging),
+            f"{goal}   ·   {gains}",
+            [looks[place] for place in self.ordered],
+            [self.ranking.ranks[place] for place in self.ordered],
+            [self.ranking.letters[place] for place in self.ordered],
+        )
+
+    def _matrix(self, name: str) -> Matrix:
+        """Give every entry against every other in a metric, row less column, the best first."""
+        from detumble.show.compare import Matrix
+
+        order, metric, count = self.ordered, METRICS[name], len(self.entries)
+        values, better = np.full((count, count), np.nan), np.zeros((count, count), np.bool_)
+        for row, column in itertools.permutations(range(count), 2):
+            pair = self.pair(order[row], order[column])
+            difference = pair.differences[name]
+            value = difference.median.value if difference.median else np.nan
+            if name == "failed":  # the median of successes and failures says nothing
+                runs = difference.lower + difference.higher + difference.ties
+                value = (difference.higher - difference.lower) / max(1, runs)
+            values[row, column] = value * (1.0 if pair.places[0] == order[row] else -1.0) * metric.factor
+            better[row, column] = pair.better(order[row], name)
+        title = f"{metric.title}: median of row less column [{metric.unit}]"
+        return Matrix(
+            title if name != "failed" else "failures: row less column [% of runs]", metric.decimals, values, better
+        )
+
+    def _sweeps(self) -> list[SweepCurves]:
+        """Give success and median capture time along each sweep, the best entry first."""
+        from detumble.show.compare import SweepCurves
+
+        found = []
+        for place, first in enumerate(self.entries[0].curves):
+            sweep, rows = first.sweep, [self.entries[entry].curves[place].verdicts for entry in self.ordered]
+            medians = [[verdict.figures["capture_time_s"].median for verdict in row] for row in rows]
+            found.append(
+                SweepCurves(
+                    sweep.label,
+                    sweep.own,
+                    sweep.values,
+                    sweep.key != "belief",
+                    min(self.plan.robust, self.plan.runs),
+                    np.array([[100.0 * verdict.success.share for verdict in row] for row in rows]),
+                    np.array([[median.value if median else np.nan for median in row] for row in medians]),
+                )
+            )
+        return found

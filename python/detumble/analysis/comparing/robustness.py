@@ -1,4 +1,4 @@
-"""Who minds when something is otherwise than the laws were tuned for: belief, noise or control period, one at a time."""
+"""Robustness of an entry to deviations from the scenario: belief, noise or control period, one at a time."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ PERIODS = (0.05, 0.1, 0.2, 0.5, 1.0)
 
 @dataclass(frozen=True)
 class Sweep:
-    """One number that is changed, the others as the scenario has them.
+    """Values of one deviation, everything else as in the scenario.
 
     Attributes:
         key: name in JSON.
         label: for tables and figures, with the unit.
         own: the scenario's own value.
-        values: that are flown, its own among them or not.
+        values: that are flown; the scenario's own can be among them.
     """
 
     key: str
@@ -37,7 +37,7 @@ class Sweep:
     values: tuple[float, ...]
 
     def change(self, value: float) -> Change:
-        """Give what is made otherwise; nothing, for the scenario's own value."""
+        """Give the deviation at a value; none at the scenario's own."""
         if value == self.own:
             return Change()
         match self.key:
@@ -50,7 +50,7 @@ class Sweep:
 
 
 def sweeps_of(scenario: Scenario) -> tuple[Sweep, ...]:
-    """Give what is changed in a scenario: control periods that it cannot be flown with are left out."""
+    """Give the sweeps of a scenario, without values that it cannot be flown with."""
     own = scenario.time.control_period
     sweeps = (
         Sweep("belief", "believed inertia over design [–]", 1.0, BELIEFS),
@@ -75,10 +75,10 @@ def _flies(scenario: Scenario, sweep: Sweep, value: float) -> bool:
 
 @dataclass(frozen=True)
 class Curve:
-    """How an entry does along a sweep.
+    """Results of an entry along a sweep.
 
     Attributes:
-        sweep: what is changed.
+        sweep: the deviations.
         verdicts: for each of its values.
     """
 
@@ -109,17 +109,17 @@ def robustness(
     threads: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> tuple[Curve, ...]:
-    """Fly the runs of an entry again with each change.
+    """Fly the runs of an entry again with each deviation.
 
     Args:
         scenario: with the gains of the entry.
         law: one of `LAWS`.
-        sweeps: what is changed.
-        own: the runs as the scenario has them, which are not flown again.
+        sweeps: the deviations.
+        own: the runs without deviation, which are not flown again.
         seed: that they were flown with.
         end: how flights end.
         threads: to use; None for all processors.
-        progress: called now and then with the number of runs landed.
+        progress: called now and then with the number of runs done.
     """
     flown = 0
     known = Verdict.of(own)
@@ -140,5 +140,5 @@ def robustness(
 
 
 def flights(sweeps: tuple[Sweep, ...], runs: int) -> int:
-    """Count the flights that `robustness` takes."""
+    """Give the number of flights that `robustness` takes."""
     return runs * sum(sweep.change(value) != Change() for sweep in sweeps for value in sweep.values)

@@ -206,7 +206,7 @@ def _distance(scenario: Scenario) -> float:
     """From the nominal start to the goal at t = 0, m."""
     if not scenario.has_grasp_points:
         return math.dist(scenario.chaser.position, scenario.goal.position or (0.0, 0.0, 0.0))
-    from detumble.analysis.bounds.tumble import conjugate, multiply, rotate
+    from detumble.quaternions import conjugate, multiply, rotate
 
     plain = case(scenario, "none")
     from_inertial = conjugate(np.array(plain["orbit"]["lvlh_attitude"]))

@@ -1,4 +1,4 @@
-"""How long the flights of a search last: long enough that no sensible gains are cut off, the same for every law.
+"""Default horizon of the flights of a search: long enough for all sensible gains, the same for every law.
 
     horizon = min(duration, 10 t + max(60 s, 10 d) + campaign.hold)
 
@@ -20,11 +20,11 @@ from detumble.analysis.bounds.pursuit import Pursuit, start_of
 from detumble.analysis.trials import Trials
 
 if TYPE_CHECKING:
-    from detumble.analysis.bounds.tumble import Array
+    from detumble.quaternions import Array
     from detumble.scenario.model import Scenario
 
 STARTS = 32
-"""Starts that the median is taken over."""
+"""Number of starts that the median is taken over."""
 _PLACES = {
     "position": 0,
     "velocity": 3,
@@ -33,7 +33,7 @@ _PLACES = {
     "debris_attitude": 13,
     "debris_rate": 17,
 }
-"""Where the parts of a start stand in a row of the bounds."""
+"""First column of each quantity in a start row of the bounds."""
 
 
 def default_horizon(scenario: Scenario, seed: int, starts: int = STARTS) -> float:
@@ -42,7 +42,7 @@ def default_horizon(scenario: Scenario, seed: int, starts: int = STARTS) -> floa
     Args:
         scenario: with its dispersions.
         seed: of the campaign that the starts are taken from.
-        starts: how many there are; the first 32 are looked at.
+        starts: number of them; only the first 32 are used.
     """
     trials = Trials(scenario, seed, 0, min(starts, STARTS))
     plain, columns = trials.nominal("none"), trials.columns("none")

@@ -1,15 +1,15 @@
-"""What a set of gains is worth: one number from what came of its flights, finite whatever happened.
+"""Cost of a set of gains: one number for all of its flights, always finite.
 
 Each run i that succeeded has a value v_i: the capture time, that and the settling time, the Δv to capture, or all of the Δv. A
-success is the campaign's: captured, and settled where the bodies merge and the flight does not end at capture. No value counts
-for more than the ceiling C, and a run that failed counts for C: the horizon for times; for Δv all three axes at
+success is the campaign's: captured, and settled where the bodies merge and the flight does not end at capture. Values are
+limited to the ceiling C, and a run that failed counts for C: the horizon for times; for Δv all three axes at
 full acceleration for the whole horizon.
 
     J = S(v_i)                            where the share of successes is at least the required one; so J ≤ C
     J = C (1 + (required - share) + g)    where it is not; so J > C
 
 S is the mean, or a percentile as an order statistic: the least value that so many percent of the runs do not exceed. g is the
-mean over the runs of how badly they failed, which gives a search a slope to follow where nothing succeeds yet:
+mean over the runs of a grade of failure, which gives a search a slope to follow where no run succeeds yet:
 
     0       success
     0.2     captured, not settled
@@ -27,9 +27,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from detumble.campaigns.store.rows import DIVERGED, DWELL_MISSED, NEVER_CAPTURED, NO_GAINS, NOT_SETTLED
 from detumble.checking import choice, real
 from detumble.errors import RequestError
+from detumble.failures import DIVERGED, DWELL_MISSED, NEVER_CAPTURED, NO_GAINS, NOT_SETTLED
 
 if TYPE_CHECKING:
     from detumble.analysis.trials import Results
@@ -52,7 +52,7 @@ _GRADES[NEVER_CAPTURED : NEVER_CAPTURED + 16] = [0.5 + 0.1 * bits.bit_count() fo
 
 @dataclass(frozen=True)
 class Judgement:
-    """What candidates are worth; every array is (candidates,).
+    """Cost and success of candidates; every array is (candidates,).
 
     Attributes:
         cost: J above, s or m/s.
@@ -65,7 +65,7 @@ class Judgement:
 
 @dataclass(frozen=True)
 class Objective:
-    """What a search makes small.
+    """The quantity that a search minimises.
 
     Attributes:
         what: `capture`: time of capture; `settling`: time from the start until settled; `delta_v`: Δv to capture;
@@ -81,10 +81,10 @@ class Objective:
     until: Until | None = None
 
     def __post_init__(self) -> None:
-        """Refuse what makes no sense.
+        """Check the attributes.
 
         Raises:
-            RequestError: naming the attribute.
+            RequestError: one makes no sense.
         """
         choice("objective", self.what, MEANINGS)
         if self.percentile is not None:
@@ -99,15 +99,20 @@ class Objective:
         return "mean" if self.percentile is None else f"p{self.percentile:g}"
 
     @property
+    def meaning(self) -> str:
+        """What is minimised, in words."""
+        return MEANINGS[self.what]
+
+    @property
     def unit(self) -> str:
         """s or m/s."""
         return "m/s" if self.what.startswith("delta_v") else "s"
 
     def end(self, scenario: Scenario) -> Until:
-        """Say how flights end.
+        """Give how flights end.
 
         Raises:
-            RequestError: the objective asks for stacks to settle, and none will.
+            RequestError: the objective is the time until settled, and no flight would get there.
         """
         end = self.until or scenario.campaign.end
         if self.what == "settling" and not scenario.capture.merge:
@@ -121,12 +126,12 @@ class Objective:
 
         Args:
             horizon: s.
-            acceleration: the most that an axis gives, the mean of all three, m/s².
+            acceleration: largest acceleration of an axis, mean of the three, m/s².
         """
         return 3.0 * acceleration * horizon if self.unit == "m/s" else horizon
 
     def judge(self, results: Results, ceiling: float) -> Judgement:
-        """Judge candidates by what came of their flights.
+        """Judge candidates by their flights.
 
         Args:
             results: of a trial.
@@ -140,7 +145,7 @@ class Objective:
         return Judgement(np.where(share >= self.required, self.summary(counted), infeasible), share)
 
     def values(self, results: Results) -> Array:
-        """Give v of every run, (candidates, runs); NaN where it did not come about."""
+        """Give v of every run, (candidates, runs); NaN where the event did not happen."""
         match self.what:
             case "capture":
                 return results["capture_time"]

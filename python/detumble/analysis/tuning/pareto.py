@@ -1,6 +1,6 @@
-"""Time against Δv: the gains of a law that are not beaten in both.
+"""Time against Δv: the Pareto-optimal gains of a law.
 
-One search after another makes the augmented weighted Tchebycheff distance small (Steuer & Choo 1983),
+One search after another minimises the augmented weighted Tchebycheff distance small (Steuer & Choo 1983),
 
     max(w f_t, (1 - w) f_v) + 0.01 (f_t + f_v),     f = (J - J_best) / (J_worst - J_best)
 
@@ -19,26 +19,21 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from detumble.analysis.tuning.flights import Flights, Setting, header
+from detumble.analysis.tuning.evolution import STEP, minimise
 from detumble.analysis.tuning.objective import Objective
-from detumble.analysis.tuning.provenance import told
 from detumble.analysis.tuning.record import Record
-from detumble.analysis.tuning.search import STEP, minimise
-from detumble.analysis.tuning.space import space_of
-from detumble.checking import flag, whole
-from detumble.compiled import check_gains
-from detumble.scenario.core import case
-from detumble.scenario.files import given
-from detumble.scenario.model import Scenario
+from detumble.analysis.tuning.search import Search
+from detumble.analysis.tuning.setting import SearchResult, Setting
+from detumble.checking import thread_count, whole
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
-    from detumble.analysis.tuning.flights import Watcher
     from detumble.analysis.tuning.objective import Until
-    from detumble.analysis.tuning.space import Space
+    from detumble.progress import Watcher
     from detumble.scenario.laws import Form
+    from detumble.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 NEAR = 0.1
@@ -63,39 +58,20 @@ class Compromise:
 
 
 @dataclass(frozen=True)
-class Front:
+class Front(SearchResult):
     """The compromises that no candidate of the search beats in both time and Δv.
 
     Attributes:
         points: from the fastest to the most frugal; none where no candidate succeeds in enough of the starts.
-        law: whose gains they are.
-        objective: of the time; that of Δv differs in nothing else.
-        initial: the scenario as the first candidate flew it.
-        evaluations, starts, seed, optimiser_seed: of the search.
-        horizon: s.
-        seconds: that it took, on the wall.
     """
 
     points: tuple[Compromise, ...]
-    law: str
-    objective: Objective
-    initial: Scenario
-    evaluations: int
-    starts: int
-    seed: int
-    optimiser_seed: int
-    horizon: float
-    seconds: float
-    _space: Space
-    _setting: Setting
 
     def scenario(self, place: int) -> Scenario:
         """Give the scenario with the gains of one of the points."""
         point = self.points[place]
         reached = {"s": point.time, "m/s": point.delta_v}
-        return told(
-            self._space, point.gains, self._setting, self.objective, self.horizon, point.success, reached, "pareto"
-        )
+        return self.setting.scenario(point.gains, point.success, reached, "pareto")
 
     def spread(self, count: int) -> list[int]:
         """Choose some of the points, evenly along the front by its length, both ends among them."""
@@ -116,20 +92,9 @@ class Front:
 
     def to_json(self) -> dict[str, Any]:
         """Give the front as JSON takes it."""
-        return {
-            "scenario": self.initial.title,
-            "law": self.law,
-            "form": getattr(self.initial.laws, self.law).form,
+        return self.setting.to_json() | {
             "objective": "pareto",
             "time": self.objective.what,
-            "statistic": self.objective.statistic,
-            "required": self.objective.required,
-            "until": self.objective.end(self.initial),
-            "horizon_s": self.horizon,
-            "starts": self.starts,
-            "seed": self.seed,
-            "optimiser_seed": self.optimiser_seed,
-            "evaluations": self.evaluations,
             "front": self.rows(),
             "seconds": self.seconds,
         }
@@ -170,43 +135,32 @@ def pareto_front(
         RequestError: an argument makes no sense, or the record is of another search or in use.
         ScenarioError: the scenario cannot be flown.
     """
-    began = time.perf_counter()
+    began, threads = time.perf_counter(), thread_count(threads)
     weights = whole("weights", weights, 2, 1000)  # both ends at least
-    scenario, resume = given(scenario), flag("resume", resume)
-    setting = Setting(budget, starts, seed, seed if optimiser_seed is None else optimiser_seed, horizon, threads)
-    space = space_of(scenario, law, form=form, stack=stack, fixed=fixed)
-    objectives = (Objective(what, percentile, required, until), Objective("delta_v", percentile, required, until))
-    objectives[0].end(space.base)
-    check_gains(scenario.title, case(space.base, law))
-    horizon = setting.resolved(space.base)
-    about = {"objective": asdict(objectives[0]) | {"what": f"pareto, {what}"}, "budget": budget, "weights": weights}
-    with Record(record, header(space, setting, horizon, about), resume=resume, budget=budget) as written:
-        flights = Flights(space, setting, objectives, written, watcher, horizon=horizon)
-        flights.own()
-        _sweep(flights, budget - 1, setting.optimiser_seed, _order(weights))
-    best = [
-        Compromise(
-            time=float(flights.outcomes[place, 0]),
-            delta_v=float(flights.outcomes[place, 1]),
-            success=float(flights.outcomes[place, 2]),
-            gains=space.values(flights.points[place].tolist()) if place else dict(space.own),
-        )
-        for place in undominated(flights.outcomes[:, :2], flights.ceilings)
-    ]
-    return Front(
-        points=tuple(best),
-        law=law,
-        objective=objectives[0],
-        initial=space.base,
-        evaluations=len(flights.points),
+    setting = Setting.of(
+        scenario,
+        law,
+        (Objective(what, percentile, required, until), Objective("delta_v", percentile, required, until)),
+        budget=budget,
         starts=starts,
         seed=seed,
-        optimiser_seed=setting.optimiser_seed,
+        optimiser_seed=optimiser_seed,
         horizon=horizon,
-        seconds=time.perf_counter() - began,
-        _space=space,
-        _setting=setting,
+        form=form,
+        stack=stack,
+        fixed=fixed,
     )
+    objective = asdict(setting.objective) | {"what": f"pareto, {what}"}
+    header = setting.header({"objective": objective, "budget": setting.budget, "weights": weights})
+    with Record(record, header, resume=resume, budget=setting.budget) as written:
+        search = Search(setting, written, threads, watcher)
+        search.begin()
+        _sweep(search, _order(weights))
+    points = []
+    for place in undominated(search.outcomes[:, :2], search.ceilings):
+        spent, delta_v, success = search.outcomes[place].tolist()
+        points.append(Compromise(spent, delta_v, success, search.gains(place)))
+    return Front(setting=setting, seconds=time.perf_counter() - began, points=tuple(points))
 
 
 def undominated(costs: Array, ceilings: Array) -> list[int]:
@@ -233,22 +187,22 @@ def _order(weights: int) -> Sequence[float]:
     return [1.0, 0.0, *(float(weight) for weight in between)]
 
 
-def _sweep(flights: Flights, budget: int, seed: int, weights: Sequence[float]) -> None:
+def _sweep(search: Search, weights: Sequence[float]) -> None:
+    """Search by one weight after another; the first ones get what is left of a budget that cannot be shared evenly."""
+    least, left = divmod(search.setting.budget - 1, len(weights))
     for number, weight in enumerate(weights):
-        share = budget // len(weights) + (number < budget % len(weights))
-        measure = _measure(flights.outcomes[:, :2], flights.ceilings, weight)
-        so_far = measure(flights.outcomes[:, :2])
-        start = flights.points[int(np.argmin(so_far))]
+        costs = search.outcomes[:, :2]
+        measure = _measure(costs, search.ceilings, weight)
         minimise(
-            lambda points, measure=measure: measure(flights(points)[:, :2]),  # type: ignore[misc]  # binds this one
-            start,
-            share,
-            seed + number,
+            lambda points, measure=measure: measure(search(points)[:, :2]),  # type: ignore[misc]  # binds this one
+            search.points[int(np.argmin(measure(costs)))],
+            least + (number < left),
+            search.setting.optimiser_seed + number,
             step=STEP if number == 0 else NEAR,
         )
 
 
-def _measure(costs: Array, ceilings: Array, weight: float) -> Any:
+def _measure(costs: Array, ceilings: Array, weight: float) -> Callable[[Array], Array]:
     """Give the distance of costs (k, 2) by one weight, as a function; shape (k,)."""
     front = costs[undominated(costs, ceilings)]
     best = front.min(axis=0) if len(front) else np.zeros(2)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from detumble import __version__
 from detumble.scenario.faults import validated
+from detumble.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from detumble.analysis.tuning.flights import Setting
     from detumble.analysis.tuning.objective import Objective
+    from detumble.analysis.tuning.setting import Setting
     from detumble.analysis.tuning.space import Space
     from detumble.scenario.model import Scenario
 

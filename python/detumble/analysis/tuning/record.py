@@ -1,9 +1,9 @@
-"""The record of a search: every evaluation in order, so that a search that was stopped goes on as if it had not been.
+"""The record of a search: every evaluation in order, so that a search that was stopped continues to the same result.
 
 A file of JSON lines. The first says what is searched; each further one holds the candidates that were flown together, as points
-of the unit cube, and what they came to. A search that continues asks for the same points again, takes what is recorded of them
-in that order, and flies the rest. Lines are written whole, and reach the disk before the next is begun; what a killed process
-left of a last line is cut off. Numbers are written with as many digits as read back to the same bits.
+of the unit cube, and their outcomes. A search that continues asks for the same points again, takes the recorded outcomes in
+that order, and flies the rest. Each line reaches the disk before the next is begun; an incomplete last line, which a killed
+process leaves, is cut off. Numbers are written with as many digits as read back to the same bits.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from detumble.checking import flag
 from detumble.errors import RequestError
 from detumble.locking import Lock
 from detumble.scenario.wording import shown
@@ -31,16 +32,16 @@ Array = NDArray[np.float64]
 FORMAT = 1
 _MOST_BYTES = 2**33
 _SAME = 1e-12
-"""Points asked for twice agree this well on machines whose last bits differ."""
+"""Tolerance between recorded points and those asked for again: last bits differ between machines."""
 
 
 class Record:
-    """Evaluations of a search, those of an earlier process first. Use it in `with`; the folder is locked meanwhile.
+    """Evaluations of a search, those of an earlier process first; in `with`, while the folder is locked.
 
     Args:
         path: the file; None keeps nothing.
         header: what is searched, as JSON takes it.
-        resume: go on with what the file holds.
+        resume: continue what the file holds.
         budget: evaluations that are asked for.
 
     Raises:
@@ -53,6 +54,7 @@ class Record:
     ) -> None:
         self.path = named_file(path).absolute() if path is not None else None
         self._budget = budget
+        resume = flag("resume", resume)
         self._known: list[tuple[list[float], list[float]]] = []
         self._next = 0
         self._lock: Lock | None = None
@@ -99,7 +101,7 @@ class Record:
             self._known += zip(line["points"], line["outcomes"], strict=True)
 
     def known(self, points: Array) -> Array:
-        """Give what is recorded of the next points that the search asks for.
+        """Give the recorded outcomes of the next points that the search asks for.
 
         Args:
             points: (k, n).
@@ -144,7 +146,7 @@ class Record:
     ) -> None:
         if self._lock:
             try:
-                with suppress(OSError):  # what a full disk has not taken was told of
+                with suppress(OSError):  # a full disk was reported by `_write`
                     self._file.close()
             finally:
                 self._lock.close()
@@ -167,7 +169,7 @@ def _parsed(path: Path, number: int, line: bytes) -> dict[str, Any]:
 
 
 def _differences(there: Mapping[str, Any], asked: Mapping[str, Any]) -> str:
-    """Say in what two headers differ."""
+    """List the entries in which two headers differ."""
     return "; ".join(
         f"{name} {shown(there.get(name))} there, {shown(asked.get(name))} asked for"
         for name in {**there, **asked}

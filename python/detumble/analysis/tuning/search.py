@@ -1,126 +1,113 @@
-"""CMA-ES in the unit cube: the covariance matrix adaptation evolution strategy (Hansen 2016, arXiv:1604.00772), by `cma`.
-
-What gains are worth has several valleys, and a descent finds the bottom of one. The first begins at a given point with a step of
-0.2 of the cube. One that has converged, or that has gained no more than a thousandth in 20 generations, makes room for
-another: in turn from the best point so far with a small step, to refine it, and from the best of some random points, to find
-another valley. Every evaluation counts, and all of the budget is used.
-
-All randomness comes from a generator of its own: nothing depends on, or touches, numpy's global one.
-"""
+"""A search in progress, for one objective or several: candidates fly in batches, and every evaluation goes on record."""
 
 from __future__ import annotations
 
-import math
-import os
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from detumble.show.drawing import load_matplotlib
+from detumble.analysis.trials import Trials
+from detumble.analysis.tuning.gains import mean_acceleration
+from detumble.progress import Watcher
+
+if TYPE_CHECKING:
+    from detumble.analysis.trials import Results
+    from detumble.analysis.tuning.record import Record
+    from detumble.analysis.tuning.setting import Setting
 
 Array = NDArray[np.float64]
-Evaluate = Callable[[Array], Array]
-"""Gives the costs (k,) of candidates (k, n): finite, the less the better."""
-
-STEP, REFINING, EXPLORING = 0.2, 0.05, 0.3
-"""Standard deviations, in widths of the cube, with which descents begin: the first, from the best, from anywhere."""
-LEAST = 8
-"""Candidates in a generation: so many fill the lanes of the core."""
-SCATTERED = 8
-"""Random points for each coordinate, the best of which begins a descent elsewhere."""
-PATIENCE, GAIN = 20, 1e-3
-"""A descent ends when so many generations lessen its best cost by no more than this share."""
 
 
 @dataclass(frozen=True)
-class Best:
-    """The best of all candidates.
+class Generation:
+    """State of a search after a generation.
 
     Attributes:
-        point: (n,) in the unit cube.
-        cost: its cost; infinite if there was no candidate.
+        evaluations: number of candidates so far; the first flew the scenario's own gains.
+        best: least cost so far, of the first objective.
+        median: of the costs of this generation.
+        success: share of the starts in which the best candidate so far succeeds.
     """
 
-    point: Array
-    cost: float
+    evaluations: int
+    best: float
+    median: float
+    success: float
 
 
-def minimise(evaluate: Evaluate, start: Array, budget: int, seed: int, *, step: float = STEP) -> Best:
-    """Search the unit cube for the point of the least cost.
+class Search:
+    """Flies candidates, judges them and puts them on record.
 
     Args:
-        evaluate: is given one generation at a time.
-        start: (n,) where the first descent begins.
-        budget: number of evaluations, all of which are used; the last generation may be a part of one.
-        seed: of the search, 0 or more.
-        step: standard deviation that the first descent begins with, in widths of the cube.
+        setting: what is searched.
+        record: of the evaluations.
+        threads: to use; None for all processors. They do not affect the results.
+        watcher: follows the progress.
 
-    Returns:
-        The best candidate, the first of those that are equal. A search of a larger budget begins with the same candidates.
+    Attributes:
+        ceilings: (m,) the most that a feasible candidate can cost, of each objective.
+        points: (k, n) of all candidates so far; the first, the scenario's own gains, stands there by its nearest point.
+        outcomes: (k, m + 1): costs by the m objectives, and the share of successes.
+        history: generation by generation.
     """
-    dimensions = len(start)
-    generator = np.random.default_rng([seed, dimensions])
-    best, left = Best(start, math.inf), budget
 
-    def flown(points: Array) -> Array:
-        nonlocal best, left
-        points = points[:left]
-        costs = evaluate(points)
-        first = int(np.argmin(costs))
-        if costs[first] < best.cost:
-            best = Best(points[first].copy(), float(costs[first]))
-        left -= len(points)
-        return costs
+    def __init__(self, setting: Setting, record: Record, threads: int | None, watcher: Watcher | None) -> None:
+        space, objectives = setting.space, setting.objectives
+        self.setting = setting
+        acceleration = mean_acceleration(space.base)
+        self.ceilings = np.array([objective.ceiling(setting.horizon, acceleration) for objective in objectives])
+        self.points = np.empty((0, len(space.tunables)))
+        self.outcomes = np.empty((0, len(objectives) + 1))
+        self.history: list[Generation] = []
+        self._record, self._threads, self._watcher = record, threads, watcher or Watcher()
+        end = setting.objective.end(space.base)
+        self._trials = Trials(space.base, setting.seed, 0, setting.starts, setting.horizon, end)
 
-    descents = 0
-    while left > 0:
-        origin, width = start, step
-        if descents % 2:
-            origin, width = best.point, REFINING
-        elif descents:
-            scattered = generator.random((SCATTERED * dimensions, dimensions))
-            origin, width = scattered[int(np.argmin(flown(scattered)))], EXPLORING
-        strategy = _strategy(origin, width, max(LEAST, 4 + int(3.0 * math.log(dimensions))), generator)
-        least: list[float] = []
-        while left > 0 and not strategy.stop() and not _stagnant(least):
-            asked = strategy.ask()
-            costs = flown(np.clip(np.array(asked)[:, :dimensions], 0.0, 1.0))
-            if len(costs) == len(asked):
-                strategy.tell(asked, costs.tolist())
-            least.append(min([float(costs.min()), *least[-1:]]))
-        descents += 1
-    return best
+    def begin(self) -> None:
+        """Fly the first candidate: the scenario's own gains, exactly as they stand there."""
+        self._watcher.begin(self.setting.budget)
+        space, nothing = self.setting.space, np.empty((1, 0))
+        outcome = self._record.known(nothing)
+        if not len(outcome):
+            outcome = self._judged(self._trials.fly(space.law, threads=self._threads))
+            self._record.append(nothing, outcome)
+        self._keep(space.point(space.own)[None, :], outcome)
 
+    def __call__(self, points: Array) -> Array:
+        """Fly candidates.
 
-def _stagnant(least: list[float]) -> bool:
-    """Whether a descent gains too little, by its least cost after each generation."""
-    return len(least) > PATIENCE and least[-1 - PATIENCE] - least[-1] <= GAIN * abs(least[-1])
+        Args:
+            points: (k, n) of the unit cube.
 
+        Returns:
+            Outcomes (k, m + 1), those on record as they are there.
+        """
+        space = self.setting.space
+        outcomes = self._record.known(points).reshape(-1, self.outcomes.shape[1])
+        rest = points[len(outcomes) :]
+        if len(rest):
+            new = self._judged(self._trials.fly(space.law, space.columns(rest), threads=self._threads))
+            self._record.append(rest, new)
+            outcomes = np.concatenate((outcomes, new))
+        self._keep(points, outcomes)
+        return outcomes
 
-def _strategy(origin: Array, step: float, population: int, generator: np.random.Generator) -> Any:
-    """Begin a descent."""
-    load_matplotlib()  # which cma imports
-    import cma  # type: ignore[import-untyped]  # it tells no types
+    def gains(self, candidate: int) -> dict[str, float]:
+        """Give the gains of a candidate by path."""
+        space = self.setting.space
+        return space.values(self.points[candidate].tolist()) if candidate else dict(space.own)
 
-    options = {
-        "popsize": population,
-        "bounds": [0.0, 1.0],
-        "randn": lambda *shape: generator.standard_normal(shape),
-        "seed": math.nan,  # leaves numpy's global generator alone
-        "tolx": 1e-4,
-        "tolfun": 1e-9,
-        "tolfunhist": 1e-9,
-        "tolflatfitness": 5,
-        "maxiter": math.inf,
-        "verbose": -10,
-        "verb_log": 0,
-        "verb_filenameprefix": os.devnull,  # of the files that are not written; by default in the current folder, if any
-        "verb_disp": 0,
-        "signals_filename": "",  # no file steers the search
-    }
-    # The library needs two coordinates; a second one that nothing depends on does no harm.
-    inside = np.resize(np.clip(origin, 0.0, 1.0), max(len(origin), 2))
-    return cma.CMAEvolutionStrategy(inside, step, options)
+    def _judged(self, results: Results) -> Array:
+        pairs = zip(self.setting.objectives, self.ceilings, strict=True)
+        judged = [objective.judge(results, float(ceiling)) for objective, ceiling in pairs]
+        return np.column_stack([*(one.cost for one in judged), judged[0].share])
+
+    def _keep(self, points: Array, outcomes: Array) -> None:
+        self.points = np.concatenate((self.points, points))
+        self.outcomes = np.concatenate((self.outcomes, outcomes))
+        best = self.outcomes[np.argmin(self.outcomes[:, 0])]
+        done, median = len(self.points), float(np.median(outcomes[:, 0]))
+        self.history.append(Generation(done, float(best[0]), median, float(best[-1])))
+        self._watcher.now(done, done, self.history[-1])

@@ -16,7 +16,7 @@ from detumble.checking import choice, flag, instance, real
 from detumble.errors import RequestError
 from detumble.scenario.faults import validated
 from detumble.scenario.laws import CHANNELS, FORMS, LAWS, REGISTER
-from detumble.scenario.wording import did_you_mean
+from detumble.text import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

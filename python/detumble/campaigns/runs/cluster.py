@@ -1,4 +1,4 @@
-"""The workers of a Dask cluster fly the shards; this process writes them. Rows are those of a local campaign, to the bit."""
+"""The workers of a Dask cluster fly the shards of a campaign; this process writes them. Rows are bitwise those of a local one."""
 
 from __future__ import annotations
 
@@ -13,17 +13,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from detumble.campaigns.recipe import Recipe
 from detumble.campaigns.runs.flying import Flown, fly_runs
-from detumble.campaigns.runs.recipe import Recipe
 from detumble.checking import instance
 from detumble.errors import RequestError
 from detumble.surroundings import check_dask
+from detumble.version import __version__
 from detumble.writing import reason
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from detumble.campaigns.runs.workers import Promise
+    from detumble.campaigns.runs.executor import PendingRuns
 
 WORKER_LOSSES = 1000
 """Workers that may die over one shard before it is given up; Dask's own default is 3."""
@@ -32,8 +33,8 @@ _PORT = 8786
 """Dask's own, where an address names none."""
 _KEPT = "the shards that are complete are kept, and --resume continues"
 _QUIET = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}
-"""No dashboard, and no complaint where another cluster has its port."""
-_APART = """
+"""No dashboard, and no warning where another cluster uses its port."""
+_OWN_SESSION = """
 import os, signal
 signal.signal(signal.SIGINT, signal.SIG_IGN)
 if hasattr(os, "setsid"):
@@ -41,11 +42,12 @@ if hasattr(os, "setsid"):
         os.setsid()
     signal.pthread_sigmask(signal.SIG_SETMASK, [])
 """
-"""A terminal or a scheduler of jobs signals all processes of a group; the workers end when this one closes the cluster."""
-_SETTINGS = {"distributed.scheduler.allowed-failures": WORKER_LOSSES, "distributed.worker.preload": [_APART]}
+"""Keeps from the workers the signals that a terminal or a job scheduler sends to all processes of a group: they end when this
+process closes the cluster."""
+_SETTINGS = {"distributed.scheduler.allowed-failures": WORKER_LOSSES, "distributed.worker.preload": [_OWN_SESSION]}
 
 
-class Cluster:
+class DaskExecutor:
     """The workers of a Dask scheduler.
 
     Args:
@@ -71,7 +73,7 @@ class Cluster:
         else:
             _check_children(workers)
             try:
-                with dask.config.set(_SETTINGS), ThreadPoolExecutor(1, initializer=_deafen) as starter:
+                with dask.config.set(_SETTINGS), ThreadPoolExecutor(1, initializer=_block_signals) as starter:
                     self._local = starter.submit(
                         distributed.LocalCluster,
                         n_workers=workers,
@@ -85,9 +87,9 @@ class Cluster:
                     f"local_cluster {workers}: cannot be started: {error} In a script, fly the campaign beneath "
                     '`if __name__ == "__main__":`'
                 ) from None
-        logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # `_losses_told` says it in one message
+        logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # `_cluster_errors` gives one message
         try:
-            self._client: Any = distributed.Client(  # type: ignore[no-untyped-call]  # likewise
+            self._client: Any = distributed.Client(  # type: ignore[no-untyped-call]
                 self._local or scheduler, timeout=_CONNECT_SECONDS
             )
         except (OSError, ValueError) as error:
@@ -95,21 +97,21 @@ class Cluster:
 
     @property
     def ahead(self) -> int:
-        """Three shards for each worker: one that it flies, one that it has, one on its way back."""
-        with _losses_told():
+        """Three shards for each worker: one that is flown, one that waits, one whose rows are on their way."""
+        with _cluster_errors():
             return 3 * max(1, len(self._client.nthreads()))
 
-    def submit(self, recipe: Recipe, first: int, count: int) -> Promise:
-        """Have runs flown by a worker; one that dies over them is replaced by another."""
+    def submit(self, recipe: Recipe, first: int, count: int) -> PendingRuns:
+        """Submit runs to a worker; another takes them over if it dies."""
         key = f"{recipe.identity}-{first}-{count}-{self._backend}"
-        return _Ordered(self._client.submit(fly_shard, recipe.to_dict(), first, count, self._backend, key=key))
+        return _DaskRuns(self._client.submit(fly_shard, recipe.to_dict(), first, count, self._backend, key=key))
 
-    def landed(self) -> int:
-        """Nothing is known of shards in progress."""
+    def completed_runs(self) -> int:
+        """Give 0: nothing is known of unfinished shards."""
         return 0
 
     def about(self) -> dict[str, object]:
-        """Tell who flies."""
+        """Give back end, number of workers and address of the scheduler."""
         workers = len(self._client.nthreads())
         return {
             "backend": self._backend or "each worker's best",
@@ -118,17 +120,17 @@ class Cluster:
         }
 
     def close(self) -> None:
-        """Drop what is not finished, and stop the workers that were started here."""
+        """Drop unfinished runs, and stop the workers that were started by this process."""
         self._client.close()
         if self._local:
             self._local.close()
 
 
 def _check_children(workers: int | None) -> None:
-    """Make sure that this process can start workers.
+    """Check that this process can start workers.
 
     Raises:
-        RequestError: it is itself a worker that may not, or its current folder, in which they would begin, is gone.
+        RequestError: it is a worker of multiprocessing.Pool, or its current folder, in which workers start, is gone.
     """
     if multiprocessing.current_process().daemon:
         raise RequestError(
@@ -141,21 +143,21 @@ def _check_children(workers: int | None) -> None:
         raise RequestError(f"local_cluster {workers}: the current folder cannot be used: {reason(error)}") from None
 
 
-def _deafen() -> None:
-    """Let this thread, and what it starts, be met by no signal that ends a process: workers that begin cannot answer it."""
+def _block_signals() -> None:
+    """Block signals that end a process in this thread and in what it starts: a worker that is starting cannot handle them."""
     if hasattr(signal, "pthread_sigmask"):
         from multiprocessing import resource_tracker
 
         for _ in range(2):
             signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM, signal.SIGHUP))
-            resource_tracker.ensure_running()  # begins with these blocked, and unblocks two of them here
+            resource_tracker.ensure_running()  # starts with these blocked, and unblocks two of them in this thread
 
 
 def _await(scheduler: str) -> None:
-    """Wait until a scheduler answers. A client of Dask's that never connected may block the process when it is collected.
+    """Wait until a scheduler answers: a Dask client that never connected may block the process when it is garbage-collected.
 
     Raises:
-        RequestError: it does not answer for half a minute.
+        RequestError: it does not answer within half a minute.
     """
     from distributed.comm.addressing import get_address_host_port
 
@@ -174,21 +176,21 @@ def _await(scheduler: str) -> None:
 
 
 @dataclass
-class _Ordered:
-    """Runs that workers were told to fly."""
+class _DaskRuns:
+    """Runs that were submitted to workers."""
 
     future: Any
 
     def result(self, timeout: float | None = None) -> Flown:
-        """Wait for them, as `Promise` says."""
-        with _losses_told():
+        """Wait for the runs, as in `PendingRuns`."""
+        with _cluster_errors():
             flown: Flown = self.future.result(timeout)
         return flown
 
 
 @contextmanager
-def _losses_told() -> Iterator[None]:
-    """Say in one message that a cluster broke down.
+def _cluster_errors() -> Iterator[None]:
+    """Turn failures of the cluster into one message.
 
     Raises:
         RequestError: the scheduler is lost, or workers died over the same runs more often than it allows.
@@ -198,7 +200,7 @@ def _losses_told() -> Iterator[None]:
 
     try:
         yield
-    except TimeoutError:  # that is no loss
+    except TimeoutError:  # an OSError too, but no failure of the cluster
         raise
     except (OSError, FutureCancelledError):
         raise RequestError(f"the scheduler is lost; {_KEPT}") from None
@@ -216,12 +218,8 @@ def fly_shard(recipe: dict[str, Any], first: int, count: int, backend: str | Non
         backend: of the core.
 
     Raises:
-        RequestError: this worker's rows would be others.
+        RequestError: this worker has another version of detumble, whose rows may differ.
     """
-    import detumble
-
-    if detumble.__version__ != recipe["version"]:
-        raise RequestError(
-            f"a worker has detumble {detumble.__version__}, the campaign {recipe['version']}: runs might differ"
-        )
+    if __version__ != recipe["version"]:
+        raise RequestError(f"a worker has detumble {__version__}, the campaign {recipe['version']}: runs might differ")
     return fly_runs(Recipe(**recipe), first, count, backend=backend)

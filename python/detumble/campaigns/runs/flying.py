@@ -1,4 +1,4 @@
-"""Some runs of a campaign, from its recipe to the rows of its table. The same rows wherever and however they are flown."""
+"""Runs of a campaign, from its recipe to the rows of its table. The rows do not depend on where and how they are flown."""
 
 from __future__ import annotations
 
@@ -7,30 +7,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from detumble.campaigns.columns import END_TIME, FAILURE, INDEX, SCALARS, SUCCEEDED, drawn_table
+from detumble.campaigns.recipe import WIDE, arithmetic
 from detumble.campaigns.runs.draws import draw, drawn_scenario
 from detumble.campaigns.runs.overlay import overlay
-from detumble.campaigns.runs.recipe import WIDE, arithmetic
-from detumble.campaigns.store.rows import (
-    CODES,
-    END_TIME,
-    FAILURE,
-    INDEX,
-    SCALARS,
-    SUCCEEDED,
-    SUCCESS,
-    cause,
-    drawn_names,
-)
-from detumble.checking import met, plain
+from detumble.checking import whole
 from detumble.compiled import core
 from detumble.errors import RequestError, ScenarioError
+from detumble.failures import CODES, SUCCESS, cause
 from detumble.scenario.core import case
-from detumble.scenario.dispersions.fitting import fields
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from detumble.campaigns.runs.recipe import Recipe
+    from detumble.campaigns.recipe import Recipe
     from detumble.flight import Flight
 
 _CAUSES = np.full(max(CODES) + 1, None, dtype=object)
@@ -44,7 +34,7 @@ class Flown:
     Attributes:
         columns: rows of the table, in order of index.
         ticks: control ticks in these runs.
-        lane_ticks: ticks that the lanes went through meanwhile, idle ones too.
+        lane_ticks: ticks that the lanes flew meanwhile, idle ones included.
     """
 
     columns: dict[str, Any]
@@ -69,11 +59,11 @@ def fly_runs(
         count: number of runs.
         threads: to use.
         backend: `portable`, `avx2`, `avx512`; None takes the core's choice.
-        progress: called now and then with the number of runs landed; an exception that it raises ends the work.
+        progress: called now and then with the number of completed runs; an exception that it raises stops the work.
 
     Raises:
         ScenarioError: the scenario cannot be flown.
-        RequestError: the back end would give other bits than the campaign's.
+        RequestError: rows of this back end differ in their last bits from the campaign's.
     """
     backend = suitable(recipe, backend)
     scenario = recipe.parsed
@@ -86,11 +76,7 @@ def fly_runs(
         raise ScenarioError(scenario.title, problem=str(error)) from None
 
     columns: dict[str, Any] = {INDEX.name: np.arange(first, first + count, dtype=np.uint64)}
-    shapes = fields()
-    for path, values in drawn.items():
-        rows = values.reshape(count, -1)
-        names = drawn_names(path, shapes[path].shape, rows.shape[1])
-        columns |= {name: rows[:, element] for element, name in enumerate(names)}
+    columns |= drawn_table(drawn)
     columns[SUCCEEDED.name] = flown["failure"] == SUCCESS
     columns[FAILURE.name] = _CAUSES[flown["failure"]].tolist()
     columns[END_TIME.name] = flown["end_time"]
@@ -111,9 +97,9 @@ def fly_again(recipe: Recipe, index: int, *, backend: str | None = None) -> Flig
 
     Raises:
         ScenarioError: the scenario cannot be flown.
-        RequestError: the back end would give other bits than the campaign's.
+        RequestError: rows of this back end differ in their last bits from the campaign's.
     """
-    from detumble.flight import flown
+    from detumble.simulation import flown
 
     backend = suitable(recipe, backend)
     scenario = recipe.parsed
@@ -126,10 +112,10 @@ def fly_again(recipe: Recipe, index: int, *, backend: str | None = None) -> Flig
 
 
 def suitable(recipe: Recipe, backend: str | None) -> str | None:
-    """Give a back end whose bits are those of the campaign; None leaves the choice among several to the core.
+    """Give a back end whose rows are bitwise those of the campaign; None leaves the choice among several to the core.
 
     Raises:
-        RequestError: the one that is asked for has others, or this machine has none.
+        RequestError: the rows of the given back end differ, or this machine has no suitable one.
     """
     if backend is not None and arithmetic(backend) != recipe.arithmetic:
         raise RequestError(
@@ -153,12 +139,9 @@ def _put(numbers: dict[str, Any], path: str, row: list[float]) -> None:
 
 
 def checked_index(index: int, runs: int) -> int:
-    """Make sure that a campaign has a run.
+    """Check that a campaign has a run.
 
     Raises:
         RequestError: it has no such run.
     """
-    number = plain(index)
-    if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < runs:
-        raise RequestError(f"run {met(index)}: the campaign has runs 0 to {runs - 1}")
-    return number
+    return whole("run", index, 0, runs - 1, f"the campaign has runs 0 to {runs - 1}")

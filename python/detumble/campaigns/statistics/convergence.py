@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from detumble.campaigns.statistics.intervals import clopper_pearson
+from detumble.intervals import clopper_pearson
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from numpy.typing import NDArray
 
-    from detumble.campaigns.statistics.intervals import Array
+    from detumble.intervals import Array
 
 PREFIXES = 50
 """Most ends of shards in a curve of convergence."""

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from detumble.analysis.bounds.tumble import conjugate, multiply
-from detumble.campaigns.store.rows import COMPONENTS, INDEX, RESULTS
+from detumble.campaigns.columns import COMPONENTS, INDEX, RESULTS
+from detumble.quaternions import conjugate, multiply, rotation_vector
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -69,15 +69,6 @@ def inputs(rows: pl.DataFrame, scenario: Scenario) -> tuple[dict[str, Array], tu
         found[START_ERROR] = np.linalg.norm(rotation_vector(multiply(conjugate(debris), chaser)), axis=-1)
     varying = {name: values for name, values in found.items() if _varies(values)}
     return varying, tuple(name for name in found if name not in varying)
-
-
-def rotation_vector(q: Array) -> Array:
-    """Turn quaternions (..., 4), scalar first, into axis times angle (..., 3) in rad, the short way round."""
-    scalar, vector = q[..., :1], q[..., 1:]
-    length = np.linalg.norm(vector, axis=-1, keepdims=True)
-    angle = 2.0 * np.arctan2(length, np.abs(scalar))
-    turned: Array = np.where(scalar < 0.0, -1.0, 1.0) * vector * angle / np.where(length > 0.0, length, 1.0)
-    return turned
 
 
 def _nominal(scenario: Scenario, field: str) -> Array:

@@ -24,8 +24,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import polars as pl
 
+from detumble.campaigns.columns import FAILURE, INDEX, SUCCEEDED
 from detumble.campaigns.statistics.inputs import drawn_columns, inputs
-from detumble.campaigns.store.rows import FAILURE, INDEX, SUCCEEDED
 from detumble.errors import RequestError
 
 if TYPE_CHECKING:
@@ -108,8 +108,8 @@ def sensitivities(runs: pl.LazyFrame | pl.DataFrame, scenario: Scenario) -> tupl
     """Say which inputs failure and capture time depend on.
 
     Args:
-        runs: in order of index, columns as in `rows`. For failure the first `RUNS` are used and the next `FAILURES` that
-            failed, for the capture time the first `RUNS` that captured.
+        runs: in order of index, columns as in `campaigns.columns`. For failure the first `RUNS` are used and the next
+            `FAILURES` that failed, for the capture time the first `RUNS` that captured.
         scenario: what was dispersed.
 
     Returns:

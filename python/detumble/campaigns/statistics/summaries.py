@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from detumble.campaigns.statistics.intervals import dkw_half_width, jsonable, quantile_ranks
+from detumble.intervals import dkw_half_width, jsonable, quantile_ranks
 
 if TYPE_CHECKING:
-    from detumble.campaigns.statistics.intervals import Array
-    from detumble.campaigns.statistics.sketch import Histogram
+    from detumble.campaigns.statistics.histograms import Histogram
+    from detumble.intervals import Array
 
 PERCENTS = (5, 25, 50, 75, 95, 99)
 CURVE = 2000

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field, TypeAdapter, ValidationError
 
-from detumble.campaigns.runs.recipe import Recipe
+from detumble.campaigns.recipe import Recipe
 from detumble.errors import RequestError, ScenarioError
 from detumble.scenario.wording import shown
 from detumble.writing import read_bytes, reason

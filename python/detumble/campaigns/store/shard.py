@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import polars as pl
 
-from detumble.campaigns.store.rows import CAUSES, FAILURE, INDEX, RESULTS, Column
+from detumble.campaigns.columns import FAILURE, INDEX, RESULTS, Column
+from detumble.failures import CAUSES
 from detumble.scenario.model import Scenario
 from detumble.scenario.reflection import quantity_of, section_at
 from detumble.surroundings import check_polars
@@ -48,7 +49,7 @@ def column(name: str) -> Column:
     """Find unit and meaning of a column.
 
     Args:
-        name: of `rows.INDEX`, `rows.RESULTS`, or the path of a drawn field: `chaser.mass`, `chaser.position.x`.
+        name: of `columns.INDEX`, `columns.RESULTS`, or the path of a drawn field: `chaser.mass`, `chaser.position.x`.
 
     Raises:
         ValueError: there is no such column.

@@ -11,16 +11,17 @@ import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
-from detumble.campaigns.store.rows import CAUSES, FAILURE
+from detumble.campaigns.columns import FAILURE
 from detumble.campaigns.store.shard import CAUSE, KINDS, Damage, codes, column, rows_in, values
 from detumble.errors import RequestError
+from detumble.failures import CAUSES
 from detumble.surroundings import check_dask, check_polars
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
     from numpy.typing import NDArray
 
-    from detumble.campaigns.store.folder import Store
+    from detumble.campaigns.store.campaign_folder import Store
 
 
 class Runs:

@@ -17,7 +17,8 @@ from detumble.scenario.reflection import quantity_of, section_at
 from detumble.scenario.rules import At, active
 from detumble.scenario.section import Section
 from detumble.scenario.tables import quantities, readers
-from detumble.scenario.wording import did_you_mean, pretty, shown
+from detumble.scenario.wording import pretty, shown
+from detumble.text import did_you_mean
 
 FITTING = {
     "number": "normal, truncated_normal, uniform or log_uniform",

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from detumble.campaigns.statistics.intervals import Proportion
+    from detumble.intervals import Proportion
 
 WIDTH = 9.5
 """Inches."""

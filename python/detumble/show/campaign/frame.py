@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from detumble.campaigns.statistics.intervals import Proportion
+    from detumble.intervals import Proportion
 
 QUIET = "#404040"
 """Colour of remarks."""

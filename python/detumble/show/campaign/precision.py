@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from detumble.intervals import Proportion
 from detumble.show.axes import draw_level
 from detumble.show.campaign.frame import QUIET, Caption, counted, page, percent, say
 from detumble.show.style import LIMIT, save, styled
@@ -66,8 +67,6 @@ def draw_convergence(curve: Convergence, caption: Caption, target: float | None 
 
 
 def _estimate(axes: Axes, curve: Convergence, caption: Caption) -> None:
-    from detumble.campaigns.statistics.intervals import Proportion
-
     low, high = float(curve.low[-1]), float(curve.high[-1])
     axes.axhspan(low, high, color=PALE, linewidth=0.0, zorder=0.5)
     for edge in (low, high):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from detumble.intervals import clopper_pearson
 from detumble.show.campaign.frame import Caption, counted, page
 from detumble.show.series import Array
 from detumble.show.style import LIMIT, heading, save, styled
@@ -60,8 +61,6 @@ def draw_success_map(
     x: Array, y: Array, success: NDArray[np.bool_], labels: tuple[str, str], caption: Caption
 ) -> Figure:
     """Draw the figure in memory, of the same arguments; call it within `styled()`."""
-    from detumble.campaigns.statistics.intervals import clopper_pearson
-
     (across, log_across), (up, log_up) = edges(x), edges(y)
     runs, good = cells(x, y, success, across, up)
     low, high = clopper_pearson(good, runs)
@@ -199,8 +198,6 @@ def _margin(
     flat: bool,
 ) -> list[float]:
     """Draw the probability over one parameter with its intervals; give their ends."""
-    from detumble.campaigns.statistics.intervals import clopper_pearson
-
     low, high = clopper_pearson(good, runs)
     share = np.where(runs > 0, good / np.maximum(runs, 1), np.nan)
     bars, whiskers, line = (

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from detumble.intervals import Proportion
 from detumble.show.axes import draw_level, set_log_time
 from detumble.show.campaign.frame import QUIET, Caption, below_headline, page, percent
 from detumble.show.series import Array, round_up
@@ -117,8 +118,6 @@ def _distribution(axes: Axes, captured: Mapping[str, Ecdf], settled: Mapping[str
 
 def _remainder(axes: Axes, captured: Mapping[str, Ecdf], settled: Mapping[str, Ecdf], runs: int) -> None:
     """One minus the distribution, in decades: there rare failures and long tails show."""
-    from detumble.campaigns.statistics.intervals import Proportion
-
     least = min(0.3 / runs, 0.03)
     axes.set_yscale("log")
     axes.set_ylim(least, 1.5)
@@ -179,8 +178,6 @@ def _heads(event: str) -> list[str]:
 
 
 def _said(curve: Ecdf, runs: int) -> list[str]:
-    from detumble.campaigns.statistics.intervals import Proportion
-
     times = [time_of(curve, share) for share in MARKED]
     never = percent(Proportion.of(_never(curve, runs), runs))
     return [*("not reached" if time is None else f"{time:.1f} s" for time in times), never]

@@ -1,29 +1,32 @@
-"""Pictures of a comparison: when each entry captures, how far from the bound, who minds what, and every pair."""
+"""Pictures of a comparison: when each entry captures, every pair of entries, and how success follows changes."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from detumble.results import results_folder
-from detumble.show.compare.changes import draw_changes
-from detumble.show.compare.pairs import draw_pairs
-from detumble.show.compare.times import draw_times
+from detumble.show.compare.changes import SweepCurves, draw_changes
+from detumble.show.compare.frame import Sheet, looks_of
+from detumble.show.compare.pairs import Matrix, Pairs, draw_pairs
+from detumble.show.compare.times import CaptureTimes, draw_times
 from detumble.show.style import save, styled
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
-    from detumble.analysis.comparing.result import Comparison
-
-__all__ = ["draw"]
+__all__ = ["CaptureTimes", "Matrix", "Pairs", "Sheet", "SweepCurves", "draw", "looks_of"]
 
 
-def draw(comparison: Comparison, folder: Path) -> list[Path]:
+def draw(folder: Path, sheet: Sheet, times: CaptureTimes, pairs: Pairs, sweeps: Sequence[SweepCurves]) -> list[Path]:
     """Write all pictures into a folder; older ones are replaced.
 
     Args:
-        comparison: what is shown.
-        folder: made if it is not there.
+        folder: created if it is not there.
+        sheet: headline and entries of all pictures.
+        times: of `capture-times.png`.
+        pairs: of `pairs.png`.
+        sweeps: of `robustness.png`; without any it is not drawn.
 
     Returns:
         The files.
@@ -31,8 +34,8 @@ def draw(comparison: Comparison, folder: Path) -> list[Path]:
     Raises:
         RequestError: they cannot be written.
     """
-    pictures = {"capture-times": draw_times, "pairs": draw_pairs}
-    if comparison.plan.robust:
-        pictures["robustness"] = draw_changes
-    with results_folder(folder, [f"{name}.png" for name in pictures]), styled():
-        return [save(picture(comparison), [folder / f"{name}.png"])[0] for name, picture in pictures.items()]
+    names = ["capture-times.png", "pairs.png", *(["robustness.png"] if sweeps else [])]
+    with results_folder(folder, names), styled():
+        figures = [draw_times(sheet, times), draw_pairs(sheet, pairs)]
+        figures += [draw_changes(sheet, sweeps)] if sweeps else []
+        return [save(figure, [folder / name])[0] for name, figure in zip(names, figures, strict=True)]

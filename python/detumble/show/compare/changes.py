@@ -1,47 +1,73 @@
-"""How success and capture time follow when belief, noise or control period are not what the gains were found with."""
+"""How success and capture time follow when belief, noise or control period differ from those of the tuning."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from detumble.show.campaign.frame import QUIET, counted
-from detumble.show.compare.frame import looks, sheet
 from detumble.show.style import LIMIT
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from detumble.analysis.comparing.result import Comparison
+    from detumble.show.compare.frame import Sheet
+    from detumble.show.series import Array
 
 SIZE = (11.0, 5.6)
 
 
-def draw_changes(comparison: Comparison) -> Figure:
-    """Draw the figure in memory; call it within `styled()`."""
-    flown = counted(min(comparison.plan.robust, comparison.plan.runs), "run")
-    figure = sheet(
-        comparison,
+@dataclass(frozen=True)
+class SweepCurves:
+    """What every entry gives along one sweep.
+
+    Attributes:
+        label: of the number that is changed, with its unit.
+        own: the scenario's own value.
+        values: (m,) that were flown.
+        decades: count decades along the axis.
+        runs: flown for each value.
+        success: (entries, m) %.
+        times: (entries, m) s, median capture time; not finite where half of the runs fail.
+    """
+
+    label: str
+    own: float
+    values: tuple[float, ...]
+    decades: bool
+    runs: int
+    success: Array
+    times: Array
+
+
+def draw_changes(sheet: Sheet, sweeps: Sequence[SweepCurves]) -> Figure:
+    """Draw the figure in memory; call it within `styled()`.
+
+    Args:
+        sheet: headline and entries.
+        sweeps: at least one.
+    """
+    flown = counted(sweeps[0].runs, "run")
+    figure = sheet.page(
         *SIZE,
         f"the first {flown}, one number changed at a time, nothing tuned anew   ·   dashed: as the scenario has it",
     )
-    sweeps = [curve.sweep for curve in comparison.entries[0].curves]
     panels = figure.subplots(2, len(sweeps), sharex="col", sharey="row", squeeze=False)
-    known, any_time = looks(comparison), False
+    any_time = False
     for column, sweep in enumerate(sweeps):
         success, times = panels[:, column]
-        for place in reversed(comparison.ordered):
-            verdicts = comparison.entries[place].curves[column].verdicts
-            shares = [100.0 * verdict.success.share for verdict in verdicts]
-            medians = [verdict.figures["capture_time_s"].median for verdict in verdicts]
-            options = {**known[place].line, **known[place].point, "linewidth": 1.3, "clip_on": False}
-            success.plot(sweep.values, shares, **options)
-            finite = [found.value if found and np.isfinite(found.value) else np.nan for found in medians]
-            any_time = any_time or bool(np.isfinite(finite).any())
-            times.plot(sweep.values, finite, **options)
-        _set_changes(times, sweep.values, sweep.key != "belief")
+        for place in reversed(range(len(sheet.looks))):
+            look = sheet.looks[place]
+            options = {**look.line, **look.point, "linewidth": 1.3, "clip_on": False}
+            success.plot(sweep.values, sweep.success[place], **options)
+            times.plot(sweep.values, np.where(np.isfinite(sweep.times[place]), sweep.times[place], np.nan), **options)
+        any_time = any_time or bool(np.isfinite(sweep.times).any())
+        _set_changes(times, sweep.values, sweep.decades)
         times.set_xlabel(sweep.label)
         for axes in (success, times):
             axes.axvline(sweep.own, **LIMIT)

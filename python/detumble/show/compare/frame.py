@@ -6,14 +6,13 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from detumble.analysis.tuning.objective import MEANINGS
-from detumble.show.campaign.frame import Caption, below_headline, counted, page
+from detumble.show.campaign.frame import Caption, below_headline, page
 from detumble.show.style import Dashes, look, shortened
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from collections.abc import Sequence
 
-    from detumble.analysis.comparing.result import Comparison
+    from matplotlib.figure import Figure
 
 DASHES: dict[str, tuple[Dashes, ...]] = {
     "printed": ("-", (0, (7.0, 1.5, 1.0, 1.5)), (0, (7.0, 1.5, 1.0, 1.5, 1.0, 1.5))),
@@ -55,66 +54,76 @@ class EntryLook:
         return {"marker": self.marker, "markerfacecolor": self.fill, "markeredgecolor": self.colour, "markersize": 5.0}
 
 
-def looks(comparison: Comparison) -> list[EntryLook]:
-    """Give the look of every entry, by place."""
+def looks_of(entries: Sequence[tuple[str, str, str]]) -> list[EntryLook]:
+    """Give the look of every entry, by place.
+
+    Args:
+        entries: name, law and form of each; entries of one law and form differ by their dashes, in this order.
+    """
     met: dict[tuple[str, str], int] = {}
     found = []
-    for judged in comparison.entries:
-        entry = judged.entry
-        number = met[entry.law, entry.form] = met.get((entry.law, entry.form), -1) + 1
-        style, dashes = look(entry.law), DASHES[entry.form]
-        fill = style.colour if entry.form == "printed" else "white"
-        name = shortened(entry.name, NAME)
-        found.append(EntryLook(name, style.colour, dashes[min(number, len(dashes) - 1)], style.marker, fill))
+    for name, law, form in entries:
+        number = met[law, form] = met.get((law, form), -1) + 1
+        style, dashes = look(law), DASHES[form]
+        fill = style.colour if form == "printed" else "white"
+        label = shortened(name, NAME)
+        found.append(EntryLook(label, style.colour, dashes[min(number, len(dashes) - 1)], style.marker, fill))
     return found
 
 
-def sheet(comparison: Comparison, width: float, height: float, *notes: str, legend: bool = True) -> Figure:
-    """Make a page with headline and legend; panels find their places below.
+@dataclass(frozen=True)
+class Sheet:
+    """Headline and entries of the pictures of one comparison; all lists by entry, the best first.
 
-    Args:
-        comparison: what is shown.
-        width: inches.
-        height: inches, of the panels alone.
-        notes: further lines of the headline.
-        legend: put one on top, the entries in their order.
+    Attributes:
+        caption: title, number of runs, seed.
+        goal: second line of the headline.
+        looks: of the entries.
+        ranks: from 1.
+        ties: letters; entries that share one tie.
     """
-    plan = comparison.plan
-    gains = (
-        "gains as given"
-        if plan.as_given
-        else f"{counted(plan.tunings, 'tuning')} each of {counted(plan.budget, 'evaluation')} on {counted(plan.starts, 'start')}"
-    )
-    goal = f"{plan.objective.statistic} of {MEANINGS[plan.objective.what]}, success at least {100 * plan.objective.required:g} %"
-    lines = (f"{goal}   ·   {gains}", *notes)
-    longest = max(len(known.label) for known in looks(comparison))
-    columns = min(5 if longest < 20 else 4, len(comparison.entries))
-    rows = math.ceil(len(comparison.entries) / columns) if legend else 0
-    room = _ROW * rows + (0.12 if legend else 0.0)
-    taken = below_headline(len(lines)) + room
-    caption = Caption(comparison.scenario.title, "", plan.runs, plan.judging)
-    figure = page(caption, width, height + taken, *lines, room=room)
-    if legend:
-        _legend(figure, comparison, columns, 1.0 - below_headline(len(lines)) / (height + taken))
-    return figure
 
+    caption: Caption
+    goal: str
+    looks: Sequence[EntryLook]
+    ranks: Sequence[int]
+    ties: Sequence[str]
 
-def _legend(figure: Figure, comparison: Comparison, columns: int, top: float) -> None:
-    from matplotlib.lines import Line2D
+    def page(self, width: float, height: float, *notes: str, legend: bool = True) -> Figure:
+        """Make a page with headline and legend; panels find their places below.
 
-    known, ranks = looks(comparison), comparison.ranking.ranks
-    handles = [
-        Line2D([], [], **known[place].line, **known[place].point, label=f"{ranks[place]}  {known[place].label}")
-        for place in comparison.ordered
-    ]
-    legend = figure.legend(
-        handles=handles,
-        loc="upper center",
-        bbox_to_anchor=(0.5, top),
-        ncols=columns,
-        borderaxespad=0.0,
-        columnspacing=1.6,
-    )
-    legend.set_in_layout(False)
-    for text in legend.get_texts():  # a name is no formula
-        text.set_parse_math(False)
+        Args:
+            width: inches.
+            height: inches, of the panels alone.
+            notes: further lines of the headline.
+            legend: put one on top, the entries in their order.
+        """
+        lines = (self.goal, *notes)
+        longest = max(len(known.label) for known in self.looks)
+        columns = min(5 if longest < 20 else 4, len(self.looks))
+        rows = math.ceil(len(self.looks) / columns) if legend else 0
+        room = _ROW * rows + (0.12 if legend else 0.0)
+        taken = below_headline(len(lines)) + room
+        figure = page(self.caption, width, height + taken, *lines, room=room)
+        if legend:
+            self._legend(figure, columns, 1.0 - below_headline(len(lines)) / (height + taken))
+        return figure
+
+    def _legend(self, figure: Figure, columns: int, top: float) -> None:
+        from matplotlib.lines import Line2D
+
+        handles = [
+            Line2D([], [], **known.line, **known.point, label=f"{rank}  {known.label}")
+            for known, rank in zip(self.looks, self.ranks, strict=True)
+        ]
+        legend = figure.legend(
+            handles=handles,
+            loc="upper center",
+            bbox_to_anchor=(0.5, top),
+            ncols=columns,
+            borderaxespad=0.0,
+            columnspacing=1.6,
+        )
+        legend.set_in_layout(False)
+        for text in legend.get_texts():  # a name is no formula
+            text.set_parse_math(False)

@@ -1,20 +1,22 @@
-"""When the runs of each entry capture, against the least time of each run; and how many times that they take."""
+"""When the runs of each entry capture: capture times, and their ratio to the least time of each run."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from detumble.show.axes import draw_level, set_log_time
 from detumble.show.campaign.frame import QUIET, say
-from detumble.show.compare.frame import looks, sheet
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from detumble.analysis.comparing.result import Comparison, Judged
+    from detumble.show.compare.frame import Sheet
     from detumble.show.series import Array
 
 SIZE = (11.0, 4.6)
@@ -23,34 +25,40 @@ POINTS = 1500
 """Most corners of a curve."""
 
 
-def draw_times(comparison: Comparison) -> Figure:
+@dataclass(frozen=True)
+class CaptureTimes:
+    """Capture times of all runs; lists by entry, the best first.
+
+    Attributes:
+        captures: (runs,) s each; +inf for a run that failed.
+        ratios: (runs,) each, capture time over the least time of that run.
+        bounds: (runs,) s, least time of each run.
+    """
+
+    captures: Sequence[Array]
+    ratios: Sequence[Array]
+    bounds: Array
+
+
+def draw_times(sheet: Sheet, times: CaptureTimes) -> Figure:
     """Draw the figure in memory; call it within `styled()`."""
-    figure = sheet(comparison, *SIZE)
+    figure = sheet.page(*SIZE)
     left, right = figure.subplots(1, 2, sharey=True)
-    bounds = comparison.bounds
-    _distributions(left, comparison, [judged.runs.capture_time for judged in comparison.entries], bounds)
+    _distributions(left, sheet, times.captures, times.bounds)
     left.set_xlabel("capture time [s]")
     left.set_ylabel("share of all runs [–]")
     begin, end = left.get_xlim()
-    time, share = stairs(bounds, end)
+    time, share = stairs(times.bounds, end)
     left.plot(time, share, color=QUIET, linewidth=1.0, zorder=1.6)
     left.fill_betweenx(share, begin, time, color="#E4E4E4", zorder=1.0)
     left.set_title("grey: sooner than any controller could", color=QUIET)
-    _distributions(right, comparison, [times_over_least(judged) for judged in comparison.entries], np.ones(1))
+    _distributions(right, sheet, times.ratios, np.ones(1))
     right.set_xlabel("capture time over the least time of that run [–]")
     right.set_title("1: as soon as any controller could", color=QUIET)
     return figure
 
 
-def times_over_least(judged: Judged) -> Array:
-    """Give capture times over the least of each run, (n,): +inf for a run that failed, 1 for one that began captured."""
-    time = judged.runs.capture_time
-    least = np.where(time == 0.0, 1.0, np.inf)  # where drift alone captures
-    ratio = judged.ratios["time"].values
-    return np.where(np.isnan(ratio) | np.isinf(time), least, ratio)
-
-
-def _distributions(axes: Axes, comparison: Comparison, values: list[Array], least: Array) -> None:
+def _distributions(axes: Axes, sheet: Sheet, values: Sequence[Array], least: Array) -> None:
     """Draw the distribution of each entry's values, and leave room for what is the least."""
     known = np.concatenate([*values, least])
     known = known[np.isfinite(known) & (known > 0.0)]
@@ -62,9 +70,9 @@ def _distributions(axes: Axes, comparison: Comparison, values: list[Array], leas
     set_log_time(axes, first, max(last, 1.3 * first))
     for share in MARKED:
         draw_level(axes, [share], f"{100 * share:g} %", above=False, at=0.01)
-    end, known_looks = axes.get_xlim()[1], looks(comparison)
-    for place in reversed(comparison.ordered):
-        style = known_looks[place]
+    end = axes.get_xlim()[1]
+    for place in reversed(range(len(values))):
+        style = sheet.looks[place]
         corners, shares = stairs(values[place], end)
         axes.plot(corners, shares, **style.line, linewidth=1.6, solid_capstyle="butt")
         for level in MARKED:

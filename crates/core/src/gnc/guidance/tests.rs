@@ -1,7 +1,7 @@
 use super::*;
-use crate::case::Orbit;
 use crate::number::Mat3;
 use crate::plant::attitude::{Spin, spin_step};
+use crate::plant::orbit::Orbit;
 use crate::tests::{Dice, assert_near};
 
 struct Scene {

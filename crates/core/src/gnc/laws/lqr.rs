@@ -9,7 +9,7 @@
 //! throughout as corrected.
 
 use super::riccati::{self, System};
-use super::{AttitudeError, Channel, Form, LinearFeedback, MassProperties, Phase, PhaseGains, Setting};
+use super::{AttitudeError, Channel, Form, LinearFeedback, Phase, PhaseGains, Setup};
 use crate::number::{Mat3, Vec3};
 
 /// Weights of one channel.
@@ -27,13 +27,8 @@ pub struct Weights {
 crate::fields!(Weights: q_error, q_rate, r);
 
 /// Translation and rotation.
-pub fn channels(
-    weights: &PhaseGains<Weights>,
-    form: Form,
-    phase: Phase,
-    believed: &MassProperties<f64>,
-    setting: &Setting,
-) -> (Channel<f64>, Channel<f64>) {
+pub fn channels(weights: &PhaseGains<Weights>, setup: &Setup<'_>) -> (Channel<f64>, Channel<f64>) {
+    let Setup { form, phase, believed, setting } = *setup;
     let [error, rate] = translation_gain(&weights.translation, setting.mean_motion);
     let translation =
         LinearFeedback { error: error.scale(believed.mass), rate: rate.scale(believed.mass), damps_own_rate: 0.0 };

@@ -6,25 +6,31 @@
 //! Translation demands a force in H, rotation a torque in C. A law sees navigation output only, and the mass and
 //! inertia it believes in. Source of the five laws: Eng. Proc. 2026, 121(1), 25, §3, lost signs restored.
 
+pub mod belief;
 pub mod feedback;
 pub mod lqr;
 pub mod pd;
 pub mod prrl;
 pub mod reaching;
+pub mod recipe;
 pub mod riccati;
 pub mod sliding;
 pub mod sosmc;
 pub mod surface;
 pub mod tsmc;
 
-use crate::batch::Fields;
-use crate::case::Motion;
 use crate::gnc::error::TrackingError;
-use crate::number::{Mat3, Real, Vec3};
+use crate::gnc::guidance::Target;
+use crate::gnc::navigation::Estimate;
+use crate::hardware::actuators::Applied;
+use crate::number::{Real, Vec3};
+use crate::part::Part;
 use crate::plant::orbit::natural_acceleration;
-use crate::plant::propagate::{Wrench, WrenchFrame};
+use crate::plant::wrench::Wrench;
 use crate::{batch_enum, batch_struct, batch_uniform};
+pub use belief::{MassProperties, StackBelief};
 pub use feedback::LinearFeedback;
+pub use recipe::{Gains, LawRecipe, PhaseGains, Segment, Setting, Setup};
 pub use sliding::SlidingMode;
 
 /// The paper's formula to the letter, or the form that does what the paper says.
@@ -70,16 +76,6 @@ pub enum SurfaceRate {
     Exact,
 }
 
-/// What the laws believe of the stack.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum StackBelief {
-    /// The design: mass and inertia that the case gives.
-    Design,
-    /// Its true mass and inertia at capture.
-    True,
-}
-
 /// Before capture a law flies the chaser against the debris; after it, the stack against H.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
@@ -87,16 +83,6 @@ pub enum Phase {
     BeforeCapture,
     /// One.
     AfterCapture,
-}
-
-batch_struct! {
-    /// What a law believes of the body it flies.
-    pub struct MassProperties<R> {
-        /// \[kg\]
-        pub mass: R,
-        /// C axes \[kg m²\].
-        pub inertia: Mat3<R>,
-    }
 }
 
 /// One channel's errors: `error` is e_r or the attitude error, `rate` is e_v or e_ω, `error_rate` the exact d(error)/dt.
@@ -132,52 +118,147 @@ batch_struct! {
     }
 }
 
-/// What a law is told at a control tick, besides its errors.
+batch_enum! {
+    /// What a channel remembers.
+    pub enum ChannelMemory<R> {
+        /// Nothing.
+        None(()),
+        /// An integral of the reaching law, element by element.
+        Integral(Vec3<R>),
+    }
+}
+
+batch_struct! {
+    /// What a law remembers.
+    pub struct LawMemory<R> {
+        /// Of the force.
+        pub translation: ChannelMemory<R>,
+        /// Of the torque.
+        pub rotation: ChannelMemory<R>,
+    }
+}
+
+impl<R: Real> ChannelMemory<R> {
+    /// Axes on which the actuators are saturated keep what they remembered before, lest an integral wind up.
+    #[inline(always)]
+    fn hold(&mut self, saturated: &[R::Mask; 3], before: &Self) {
+        if let (Self::Integral(now), Self::Integral(before)) = (self, before) {
+            let [x, y, z] = *saturated;
+            *now = Vec3([
+                R::select(x, before[0], now[0]),
+                R::select(y, before[1], now[1]),
+                R::select(z, before[2], now[2]),
+            ]);
+        }
+    }
+
+    #[inline(always)]
+    fn reset(&mut self, lanes: R::Mask) {
+        if let Self::Integral(integral) = self {
+            *integral = Vec3::select(lanes, Vec3::zero(), *integral);
+        }
+    }
+}
+
+impl<R: Real> LawMemory<R> {
+    /// Takes back what was learnt while the actuators could not follow.
+    #[inline(always)]
+    pub fn hold(&mut self, applied: &Applied<R>, before: &Self) {
+        self.translation.hold(&applied.force_saturated, &before.translation);
+        self.rotation.hold(&applied.torque_saturated, &before.rotation);
+    }
+}
+
+/// What a law sees of the motion. It is made of an estimate: no law sees the truth.
 #[derive(Clone, Copy, Debug)]
-pub struct Told<'a, R> {
-    /// The motion as seen.
-    pub motion: &'a Motion<R>,
+pub struct Seen<'a, R> {
+    estimate: &'a Estimate<R>,
+    error: TrackingError<R>,
+}
+
+impl<'a, R: Real> Seen<'a, R> {
+    /// An estimate against its goal.
+    #[inline(always)]
+    pub fn new(estimate: &'a Estimate<R>, goal: &Target<R>) -> Self {
+        Self { estimate, error: TrackingError::between(&estimate.motion, goal) }
+    }
+}
+
+/// What a law is given at a control tick.
+#[derive(Clone, Copy, Debug)]
+pub struct LawInput<'a, R> {
+    /// Estimate and errors.
+    pub seen: Seen<'a, R>,
     /// n \[rad/s\].
     pub mean_motion: R,
     /// a_des to feed forward \[m/s²\]; `None` when off.
     pub feedforward: Option<Vec3<R>>,
     /// ε or 2 ε.
     pub attitude_error: AttitudeError,
+    /// Control period \[s\].
+    pub period: R,
+}
+
+impl<R: Real> Part<R> for Law<R> {
+    type Memory = LawMemory<R>;
+    type Input<'a> = LawInput<'a, R>;
+    type Output = Wrench<R>;
+
+    fn begin(&self) -> LawMemory<R> {
+        LawMemory { translation: self.translation.begin(), rotation: self.rotation.begin() }
+    }
+
+    /// Force in H \[N\] and torque in C \[N m\], before saturation.
+    #[inline(always)]
+    fn step(&self, memory: &mut LawMemory<R>, input: LawInput<'_, R>) -> Wrench<R> {
+        Wrench { force: self.force(&mut memory.translation, &input), torque: self.torque(&mut memory.rotation, &input) }
+    }
+
+    /// What was learnt of another body is void.
+    #[inline(always)]
+    fn hand_over(&self, memory: &mut LawMemory<R>, lanes: R::Mask) {
+        memory.translation.reset(lanes);
+        memory.rotation.reset(lanes);
+    }
+}
+
+impl<R: Real> Channel<R> {
+    fn begin(&self) -> ChannelMemory<R> {
+        match self {
+            Channel::Linear(_) => ChannelMemory::None(()),
+            Channel::Sliding(sliding) => sliding.reaching.begin(),
+        }
+    }
 }
 
 impl<R: Real> Law<R> {
-    /// Force in H \[N\] and torque in C \[N m\], before saturation.
     #[inline(always)]
-    pub fn command(&self, error: &TrackingError<R>, told: &Told<'_, R>) -> Wrench<R> {
-        Wrench { force: self.force(error, told), torque: self.torque(error, told) }
-    }
-
-    #[inline(always)]
-    fn force(&self, error: &TrackingError<R>, told: &Told<'_, R>) -> Vec3<R> {
+    fn force(&self, memory: &mut ChannelMemory<R>, input: &LawInput<'_, R>) -> Vec3<R> {
+        let (error, motion) = (&input.seen.error, &input.seen.estimate.motion);
         let errors = ChannelError { error: error.position, rate: error.velocity, error_rate: error.velocity };
         let mass = self.believed.mass;
         let force = match &self.translation {
             Channel::Linear(linear) => linear.demand(errors.error, errors.rate),
             Channel::Sliding(sliding) => {
-                let mut acceleration = sliding.acceleration(&errors);
+                let mut acceleration = sliding.acceleration(memory, &errors, input.period);
                 if sliding.compensation.natural {
-                    let natural = natural_acceleration(told.mean_motion, told.motion.position, told.motion.velocity);
-                    acceleration -= natural;
+                    acceleration -= natural_acceleration(input.mean_motion, motion.position, motion.velocity);
                 }
                 acceleration * mass
             }
         };
-        match told.feedforward {
+        match input.feedforward {
             Some(acceleration) => force + acceleration * mass,
             None => force,
         }
     }
 
     #[inline(always)]
-    fn torque(&self, error: &TrackingError<R>, told: &Told<'_, R>) -> Vec3<R> {
-        let factor = R::splat(told.attitude_error.factor());
+    fn torque(&self, memory: &mut ChannelMemory<R>, input: &LawInput<'_, R>) -> Vec3<R> {
+        let error = &input.seen.error;
+        let factor = R::splat(input.attitude_error.factor());
         let vector = error.attitude.vector();
-        let rate = told.motion.chaser_rate;
+        let rate = input.seen.estimate.motion.chaser_rate;
         match &self.rotation {
             Channel::Linear(linear) => linear.demand(vector * factor, linear.damped_rate(rate, error.rate)),
             Channel::Sliding(sliding) => {
@@ -188,7 +269,7 @@ impl<R: Real> Law<R> {
                     error_rate: turning * (factor * R::splat(0.5)),
                 };
                 let inertia = &self.believed.inertia;
-                let torque = *inertia * sliding.acceleration(&errors);
+                let torque = *inertia * sliding.acceleration(memory, &errors, input.period);
                 torque + rate.cross(*inertia * rate) * R::splat(sliding.compensation.gyroscopic)
             }
         }
@@ -202,145 +283,6 @@ impl Law<f64> {
             Channel::Linear(linear) => linear.error.0.iter().chain(&linear.rate.0).flatten().all(|k| k.is_finite()),
             Channel::Sliding(_) => true,
         })
-    }
-}
-
-/// A phase's gains of both channels.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
-pub struct PhaseGains<G> {
-    /// Gains of the force.
-    pub translation: G,
-    /// Gains of the torque.
-    pub rotation: G,
-}
-
-/// Form and gains of a law, before and after capture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Gains<G> {
-    /// Printed or corrected.
-    pub form: Form,
-    /// Against the debris.
-    pub before: PhaseGains<G>,
-    /// The stack against H.
-    pub after: PhaseGains<G>,
-}
-
-impl<G: Fields> Fields for Gains<G> {
-    fn field(&mut self, path: &str) -> Option<&mut [f64]> {
-        let (phase, rest) = path.split_once('.')?;
-        let gains = match phase {
-            "before" => &mut self.before,
-            "after" => &mut self.after,
-            _ => return None,
-        };
-        let (channel, gain) = rest.split_once('.')?;
-        match channel {
-            "translation" => gains.translation.field(gain),
-            "rotation" => gains.rotation.field(gain),
-            _ => None,
-        }
-    }
-}
-
-impl<G> Gains<G> {
-    fn of(&self, phase: Phase) -> &PhaseGains<G> {
-        match phase {
-            Phase::BeforeCapture => &self.before,
-            Phase::AfterCapture => &self.after,
-        }
-    }
-}
-
-/// A wrench held from one control tick to another, open loop.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
-pub struct Segment {
-    /// First tick at which it acts.
-    pub first_tick: u32,
-    /// First tick at which it acts no more.
-    pub end_tick: u32,
-    /// Axes in which it is given and held.
-    pub frame: WrenchFrame,
-    /// \[N\]
-    pub force: Vec3<f64>,
-    /// \[N m\]
-    pub torque: Vec3<f64>,
-}
-
-/// A law as a scenario gives it.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(tag = "kind", rename_all = "lowercase"))]
-pub enum LawRecipe {
-    /// Proportional–derivative.
-    Pd(Gains<pd::Gains>),
-    /// Linear quadratic regulator.
-    Lqr(Gains<lqr::Weights>),
-    /// "Second-order" sliding mode, as the paper calls it.
-    Sosmc(Gains<sosmc::Gains>),
-    /// Terminal sliding mode.
-    Tsmc(Gains<tsmc::Gains>),
-    /// Power rate reaching law sliding mode.
-    Prrl(Gains<prrl::Gains>),
-    /// No law: open-loop segments.
-    None {
-        /// In order of time, not overlapping.
-        segments: Vec<Segment>,
-    },
-    /// No law: what a flight before commanded.
-    Recorded {
-        /// Force \[N\] and torque \[N m\] tick by tick; after the last row, none.
-        wrenches: Vec<[f64; 6]>,
-        /// Which tell the axes, if they were commanded open loop.
-        segments: Vec<Segment>,
-    },
-}
-
-/// What a law's construction depends on besides its gains.
-#[derive(Clone, Copy, Debug)]
-pub struct Setting {
-    /// n \[rad/s\].
-    pub mean_motion: f64,
-    /// ε or 2 ε.
-    pub attitude_error: AttitudeError,
-    /// What sliding laws take off.
-    pub surface_rate: SurfaceRate,
-}
-
-impl LawRecipe {
-    /// The law of one phase for a body it believes to be `believed`. `None` for open loop.
-    pub fn build(&self, phase: Phase, believed: &MassProperties<f64>, setting: &Setting) -> Option<Law<f64>> {
-        let (translation, rotation) = match self {
-            LawRecipe::Pd(gains) => pd::channels(gains.of(phase), gains.form),
-            LawRecipe::Lqr(weights) => lqr::channels(weights.of(phase), weights.form, phase, believed, setting),
-            LawRecipe::Sosmc(gains) => sosmc::channels(gains.of(phase), gains.form),
-            LawRecipe::Tsmc(gains) => tsmc::channels(gains.of(phase), setting),
-            LawRecipe::Prrl(gains) => prrl::channels(gains.of(phase), gains.form, setting),
-            LawRecipe::None { .. } | LawRecipe::Recorded { .. } => return None,
-        };
-        Some(Law { translation, rotation, believed: *believed })
-    }
-
-    /// The gains at a path: `before.rotation.slope`.
-    pub fn field(&mut self, path: &str) -> Option<&mut [f64]> {
-        match self {
-            LawRecipe::Pd(gains) => gains.field(path),
-            LawRecipe::Lqr(weights) => weights.field(path),
-            LawRecipe::Sosmc(gains) => gains.field(path),
-            LawRecipe::Tsmc(gains) => gains.field(path),
-            LawRecipe::Prrl(gains) => gains.field(path),
-            LawRecipe::None { .. } | LawRecipe::Recorded { .. } => None,
-        }
-    }
-
-    /// The open-loop segments; empty for a law.
-    pub fn segments(&self) -> &[Segment] {
-        match self {
-            LawRecipe::None { segments } | LawRecipe::Recorded { segments, .. } => segments,
-            _ => &[],
-        }
     }
 }
 

@@ -6,7 +6,7 @@
 //! τ = -Kp ε - Kd e_ω      corrected
 //! ```
 
-use super::{Channel, Form, LinearFeedback, PhaseGains};
+use super::{Channel, Form, LinearFeedback, PhaseGains, Setup};
 use crate::number::{Mat3, Vec3};
 
 /// Gains of one channel.
@@ -22,7 +22,7 @@ pub struct Gains {
 crate::fields!(Gains: kp, kd);
 
 /// Translation and rotation.
-pub fn channels(gains: &PhaseGains<Gains>, form: Form) -> (Channel<f64>, Channel<f64>) {
+pub fn channels(gains: &PhaseGains<Gains>, setup: &Setup<'_>) -> (Channel<f64>, Channel<f64>) {
     let channel = |gains: &Gains, damps_own_rate| {
         Channel::Linear(LinearFeedback {
             error: Mat3::diagonal(gains.kp),
@@ -30,6 +30,6 @@ pub fn channels(gains: &PhaseGains<Gains>, form: Form) -> (Channel<f64>, Channel
             damps_own_rate,
         })
     };
-    let own = if form == Form::Printed { 1.0 } else { 0.0 };
+    let own = if setup.form == Form::Printed { 1.0 } else { 0.0 };
     (channel(&gains.translation, 0.0), channel(&gains.rotation, own))
 }

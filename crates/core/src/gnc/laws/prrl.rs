@@ -11,7 +11,7 @@
 use super::reaching::{PowerRate, Reaching, Shape};
 use super::sliding::{Compensation, OwnRate};
 use super::surface::{self, Surface};
-use super::{Channel, Form, PhaseGains, Setting, SlidingMode, SurfaceRate};
+use super::{Channel, PhaseGains, Setup, SlidingMode, SurfaceRate};
 use crate::number::Vec3;
 
 /// Gains of one channel.
@@ -31,8 +31,8 @@ pub struct Gains {
 crate::fields!(Gains: slope, gain, layer, alpha);
 
 /// Translation and rotation.
-pub fn channels(gains: &PhaseGains<Gains>, form: Form, setting: &Setting) -> (Channel<f64>, Channel<f64>) {
-    let surface_rate = match setting.surface_rate {
+pub fn channels(gains: &PhaseGains<Gains>, setup: &Setup<'_>) -> (Channel<f64>, Channel<f64>) {
+    let surface_rate = match setup.setting.surface_rate {
         SurfaceRate::Exact => OwnRate::Exact,
         SurfaceRate::Printed => OwnRate::Linear,
     };
@@ -42,7 +42,7 @@ pub fn channels(gains: &PhaseGains<Gains>, form: Form, setting: &Setting) -> (Ch
             reaching: Reaching::new(
                 gains.gain,
                 gains.layer,
-                Shape::PowerRate(PowerRate { exponent: gains.alpha, inside: form }),
+                Shape::PowerRate(PowerRate { exponent: gains.alpha, inside: setup.form }),
             ),
             compensation: Compensation { natural, surface_rate, gyroscopic },
         })

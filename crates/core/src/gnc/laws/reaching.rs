@@ -17,7 +17,7 @@
 //! Inside the layer the printed power rate is (K/φ) |s|^(1+α): slower than exponential. With max(|s|, φ) it is
 //! exponential, with rate K φ^(α-1). Source: Gao & Hung 1993; Eng. Proc. 2026, 121(1), 25, §3.3–3.5.
 
-use super::Form;
+use super::{ChannelMemory, Form};
 use crate::number::{Real, Vec3};
 use crate::{batch_enum, batch_struct};
 
@@ -71,9 +71,14 @@ impl Reaching<f64> {
 }
 
 impl<R: Real> Reaching<R> {
+    /// What it remembers when a flight begins.
+    pub(super) fn begin(&self) -> ChannelMemory<R> {
+        ChannelMemory::None(())
+    }
+
     /// ṡ demanded.
     #[inline(always)]
-    pub fn rate(&self, s: Vec3<R>) -> Vec3<R> {
+    pub fn step(&self, _memory: &mut ChannelMemory<R>, s: Vec3<R>, _period: R) -> Vec3<R> {
         let toward = self.gain * (s * self.inverse_layer).clamp_unit();
         match &self.shape {
             Shape::Proportional(Proportional { proportional }) => -(toward + *proportional * s),

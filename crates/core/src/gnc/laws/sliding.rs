@@ -6,9 +6,9 @@
 //!
 //! The channel then takes off the natural acceleration and adds the gyroscopic torque, as the [`Compensation`] says.
 
-use super::ChannelError;
 use super::reaching::Reaching;
 use super::surface::Surface;
+use super::{ChannelError, ChannelMemory};
 use crate::number::{Real, Vec3};
 use crate::{batch_struct, batch_uniform};
 
@@ -51,8 +51,8 @@ batch_struct! {
 impl<R: Real> SlidingMode<R> {
     /// Demanded acceleration, before natural and gyroscopic compensation \[m/s² or rad/s²\].
     #[inline(always)]
-    pub fn acceleration(&self, errors: &ChannelError<R>) -> Vec3<R> {
-        let reaching = self.reaching.rate(self.surface.value(errors));
+    pub fn acceleration(&self, memory: &mut ChannelMemory<R>, errors: &ChannelError<R>, period: R) -> Vec3<R> {
+        let reaching = self.reaching.step(memory, self.surface.value(errors), period);
         match self.compensation.surface_rate {
             OwnRate::Off => reaching,
             OwnRate::Linear => reaching - self.surface.slope() * errors.rate,

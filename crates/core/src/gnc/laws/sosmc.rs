@@ -9,7 +9,7 @@
 use super::reaching::{Proportional, Reaching, Shape};
 use super::sliding::{Compensation, OwnRate};
 use super::surface::{self, Surface};
-use super::{Channel, Form, PhaseGains, SlidingMode};
+use super::{Channel, Form, PhaseGains, Setup, SlidingMode};
 use crate::number::Vec3;
 
 /// Gains of one channel.
@@ -29,7 +29,7 @@ pub struct Gains {
 crate::fields!(Gains: slope, gain, proportional, layer);
 
 /// Translation and rotation.
-pub fn channels(gains: &PhaseGains<Gains>, form: Form) -> (Channel<f64>, Channel<f64>) {
+pub fn channels(gains: &PhaseGains<Gains>, setup: &Setup<'_>) -> (Channel<f64>, Channel<f64>) {
     let channel = |gains: &Gains, gyroscopic| {
         Channel::Sliding(SlidingMode {
             surface: Surface::Linear(surface::Linear { slope: gains.slope }),
@@ -41,6 +41,6 @@ pub fn channels(gains: &PhaseGains<Gains>, form: Form) -> (Channel<f64>, Channel
             compensation: Compensation { natural: false, surface_rate: OwnRate::Off, gyroscopic },
         })
     };
-    let gyroscopic = if form == Form::Printed { -1.0 } else { 1.0 };
+    let gyroscopic = if setup.form == Form::Printed { -1.0 } else { 1.0 };
     (channel(&gains.translation, 0.0), channel(&gains.rotation, gyroscopic))
 }

@@ -2,7 +2,9 @@
 //! SPEC, with errors chosen so that each step is short.
 
 use super::*;
+use crate::number::Mat3;
 use crate::number::Quat;
+use crate::plant::motion::Motion;
 use crate::tests::{Dice, assert_near};
 
 const BEFORE: MassProperties<f64> =
@@ -47,20 +49,20 @@ fn error() -> TrackingError<f64> {
 fn command(recipe: &LawRecipe, phase: Phase, setting: &Setting, error: &TrackingError<f64>) -> [[f64; 3]; 2] {
     let believed = if phase == Phase::BeforeCapture { BEFORE } else { AFTER };
     let law = recipe.build(phase, &believed, setting).unwrap();
-    let motion = motion();
-    let told = Told {
-        motion: &motion,
+    let input = LawInput {
+        seen: Seen { estimate: &Estimate { motion: motion() }, error: *error },
         mean_motion: setting.mean_motion,
         feedforward: None,
         attitude_error: setting.attitude_error,
+        period: 0.1,
     };
-    let wrench = law.command(error, &told);
+    let wrench = law.step(&mut law.begin(), input);
     [wrench.force.0, wrench.torque.0]
 }
 
 fn both<G: Copy>(form: Form, translation: G, rotation: G) -> Gains<G> {
     let gains = PhaseGains { translation, rotation };
-    Gains { form, before: gains, after: gains }
+    Gains { form: Some(form), before: gains, after: gains }
 }
 
 fn sum(a: [f64; 3], b: [f64; 3], factor: f64) -> [f64; 3] {
@@ -113,8 +115,16 @@ fn lqr_has_its_known_answers_where_the_axes_are_apart() {
         let setting = Setting { mean_motion: 0.0, attitude_error, ..SETTING };
         let ball = &balls[usize::from(phase == Phase::AfterCapture)];
         let law = LawRecipe::Lqr(both(form, translation, rotation)).build(phase, ball, &setting).unwrap();
-        let told = Told { motion: &motion(), mean_motion: 0.0, feedforward: None, attitude_error };
-        law.command(&error(), &told)
+        let estimate = Estimate { motion: motion() };
+        let (error, feedforward) = (error(), None);
+        let input = LawInput {
+            seen: Seen { estimate: &estimate, error },
+            mean_motion: 0.0,
+            feedforward,
+            attitude_error,
+            period: 0.1,
+        };
+        law.step(&mut law.begin(), input)
     };
     // K x = (0.04 + 0.01, -0.02 - 0.005, 0.01 + 0.015), times the mass.
     let force = [-0.05, 0.025, -0.025];
@@ -306,10 +316,17 @@ fn exact_surface_rate_in_translation_changes_tsmc_alone() {
 fn feedforward_adds_mass_times_the_goals_acceleration_to_every_law() {
     for law in [prrl_law(Form::Printed), sosmc_law(Form::Corrected)] {
         let law = law.build(Phase::BeforeCapture, &BEFORE, &SETTING).unwrap();
-        let told =
-            Told { motion: &motion(), mean_motion: 0.01, feedforward: None, attitude_error: AttitudeError::Epsilon };
-        let plain = law.command(&error(), &told);
-        let fed = law.command(&error(), &Told { feedforward: Some(Vec3([0.01, -0.02, 0.03])), ..told });
+        let estimate = Estimate { motion: motion() };
+        let attitude_error = AttitudeError::Epsilon;
+        let input = |feedforward| LawInput {
+            seen: Seen { estimate: &estimate, error: error() },
+            mean_motion: 0.01,
+            feedforward,
+            attitude_error,
+            period: 0.1,
+        };
+        let plain = law.step(&mut law.begin(), input(None));
+        let fed = law.step(&mut law.begin(), input(Some(Vec3([0.01, -0.02, 0.03]))));
         assert_near(&(fed.force - plain.force).0, &[0.09, -0.18, 0.27], 1e-14);
         assert_eq!(fed.torque, plain.torque);
     }
@@ -319,7 +336,7 @@ fn feedforward_adds_mass_times_the_goals_acceleration_to_every_law() {
 fn each_phase_flies_its_own_gains() {
     let gains = |kp| pd::Gains { kp: Vec3([kp; 3]), kd: Vec3::zero() };
     let phase_gains = |kp| PhaseGains { translation: gains(kp), rotation: gains(2.0 * kp) };
-    let law = LawRecipe::Pd(Gains { form: Form::Printed, before: phase_gains(1.0), after: phase_gains(10.0) });
+    let law = LawRecipe::Pd(Gains { form: Some(Form::Printed), before: phase_gains(1.0), after: phase_gains(10.0) });
     check(&law, Phase::BeforeCapture, &SETTING, [-0.4, 0.2, -0.1], [-1.0, 1.0, -0.2]);
     check(&law, Phase::AfterCapture, &SETTING, [-4.0, 2.0, -1.0], [-10.0, 10.0, -2.0]);
 }

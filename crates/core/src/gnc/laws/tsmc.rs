@@ -11,7 +11,7 @@
 use super::reaching::{Proportional, Reaching, Shape};
 use super::sliding::{Compensation, OwnRate};
 use super::surface::{self, Surface};
-use super::{Channel, PhaseGains, Setting, SlidingMode, SurfaceRate};
+use super::{Channel, PhaseGains, Setup, SlidingMode, SurfaceRate};
 use crate::number::Vec3;
 
 /// Gains of one channel.
@@ -31,8 +31,8 @@ pub struct Gains {
 crate::fields!(Gains: slope, gain, layer, exponent);
 
 /// Translation and rotation.
-pub fn channels(gains: &PhaseGains<Gains>, setting: &Setting) -> (Channel<f64>, Channel<f64>) {
-    let surface_rate = match setting.surface_rate {
+pub fn channels(gains: &PhaseGains<Gains>, setup: &Setup<'_>) -> (Channel<f64>, Channel<f64>) {
+    let surface_rate = match setup.setting.surface_rate {
         SurfaceRate::Exact => OwnRate::Exact,
         SurfaceRate::Printed => OwnRate::Off,
     };

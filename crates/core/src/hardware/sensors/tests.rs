@@ -15,7 +15,7 @@ fn truth() -> Motion<f64> {
 }
 
 fn see(sigmas: &NoiseSigmas<f64>, tick: u32) -> Motion<f64> {
-    sense(sigmas, Noisy::new(sigmas), &truth(), &Stream::new(7, |_| 3), f64::from(tick))
+    with_noise(sigmas, Noisy::new(sigmas), &truth(), &Stream::new(7, |_| 3), f64::from(tick))
 }
 
 /// The twelve errors of a tick over their σ: position, attitude (small angle, C axes), rate, velocity.
@@ -88,7 +88,7 @@ fn switching_sensors_off_leaves_the_draws_of_the_others() {
             assert_eq!(seen.chaser_rate, if w { all.chaser_rate } else { truth.chaser_rate });
             assert_eq!((seen.debris_attitude, seen.debris_rate), (truth.debris_attitude, truth.debris_rate));
             // A lane without noise beside noisy ones: the draws are taken, and weigh nothing.
-            let beside = sense(&sigmas, Noisy::new(&SIGMAS), &truth, &Stream::new(7, |_| 3), f64::from(tick));
+            let beside = with_noise(&sigmas, Noisy::new(&SIGMAS), &truth, &Stream::new(7, |_| 3), f64::from(tick));
             assert_eq!(
                 (beside.position, beside.velocity, beside.chaser_rate),
                 (seen.position, seen.velocity, seen.chaser_rate)
@@ -101,7 +101,7 @@ fn switching_sensors_off_leaves_the_draws_of_the_others() {
 #[test]
 fn noise_is_named_by_seed_trajectory_and_tick() {
     let at = |seed, trajectory, tick| {
-        sense(&SIGMAS, Noisy::new(&SIGMAS), &truth(), &Stream::new(seed, |_| trajectory), f64::from(tick))
+        with_noise(&SIGMAS, Noisy::new(&SIGMAS), &truth(), &Stream::new(seed, |_| trajectory), f64::from(tick))
     };
     assert_eq!(at(1, 2, 3), at(1, 2, 3));
     for other in [at(2, 2, 3), at(1, 3, 3), at(1, 2, 4)] {

@@ -1,6 +1,13 @@
 use super::*;
 use crate::tests::assert_near;
 
+impl Reaching<f64> {
+    /// ṡ at the first step of a flight.
+    fn rate(&self, s: Vec3<f64>) -> Vec3<f64> {
+        self.step(&mut self.begin(), s, 0.1)
+    }
+}
+
 fn law(gain: f64, layer: f64, shape: Shape<f64>) -> Reaching<f64> {
     Reaching::new(Vec3([gain; 3]), Vec3([layer; 3]), shape)
 }

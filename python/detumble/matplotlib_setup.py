@@ -1,4 +1,4 @@
-"""The way to matplotlib: no setting of the user's may keep it from being imported, or reach a picture."""
+"""Import of matplotlib: no setting of the user's may keep it from being imported, or reach a picture."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-alone = False
-"""Whether this process is the command's own. In any other, settings that work are left to whoever made them."""
+own_process = False
+"""Whether this process runs the command line. In any other, a user's settings with which matplotlib can be imported hold."""
 
 
 def load_matplotlib() -> None:
-    """Import matplotlib; to be called before anything else imports it.
+    """Import matplotlib; must be called before anything else imports it.
 
-    In a process of the user's own its settings hold, unless the import fails with them, and `styled` keeps them from our
-    pictures. It fails with a backend that is not installed here (`MPLBACKEND`, which whatever is started from a notebook
-    inherits), and with rc or style files that cannot be read.
+    In a Python process of the user's the user's settings hold, unless the import fails with them; `show.style.styled` keeps
+    them out of detumble's pictures. The import fails with a backend that is not installed here (`MPLBACKEND`, which a process
+    started from a notebook inherits), and with rc or style files that cannot be read.
     """
-    if not alone:
+    if not own_process:
         try:
             import matplotlib.style
         except Exception:  # whatever those settings bring about
@@ -56,5 +56,5 @@ def _without_settings() -> Iterator[None]:
         os.path.exists = exists
         for name, value in before.items():
             os.environ.pop(name, None) if value is None else os.environ.update({name: value})
-        if not alone:
+        if not own_process:
             log.setLevel(level)

@@ -11,19 +11,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import polars as pl
 
+from detumble.campaigns.columns import SCALARS
 from detumble.campaigns.statistics.convergence import Convergence, Prefixes
-from detumble.campaigns.statistics.intervals import Proportion
-from detumble.campaigns.statistics.sketch import Histogram, LogHistogram, TickHistogram
+from detumble.campaigns.statistics.histograms import Histogram, LogHistogram, TickHistogram
 from detumble.campaigns.statistics.summaries import Ecdf, Summary
-from detumble.campaigns.store.rows import CAUSES, DIVERGED, NO_GAINS, SCALARS, cause
 from detumble.checking import choice
+from detumble.failures import CAUSES, DIVERGED, NO_GAINS, cause
+from detumble.intervals import Proportion
 from detumble.scenario.accuracy import inaccurate
 from detumble.scenario.step import integration_step, worst_body
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from detumble.campaigns.statistics.intervals import Array
+    from detumble.intervals import Array
     from detumble.scenario.model import Scenario
 
 TIMES = ("capture_time_s", "settling_time_s", "settled_time_s")
@@ -80,7 +81,7 @@ class Statistics:
         """Count the runs of one shard.
 
         Args:
-            shard: at least one run, in order of index, columns as in `rows`; what does not exist is null or NaN.
+            shard: at least one run, in order of index, columns as in `campaigns.columns`; what does not exist is null or NaN.
 
         Raises:
             ValueError: the shard was counted before, or is not what a campaign writes: its indices have gaps, its

@@ -21,12 +21,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import polars as pl
 
-from detumble import __version__
+from detumble.campaigns.columns import INDEX
 from detumble.campaigns.store.manifest import FORMAT, MANIFEST, Manifest, differences, read_manifest
-from detumble.campaigns.store.rows import INDEX
 from detumble.campaigns.store.shard import Damage, decode, encode, rows_in
 from detumble.errors import RequestError
 from detumble.locking import Lock
+from detumble.version import __version__
 from detumble.writing import leftovers, named_folder, output_folder, read_bytes, reason, whole_file
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
-    from detumble.campaigns.runs.recipe import Recipe
+    from detumble.campaigns.recipe import Recipe
 
 
 _MOST_BYTES = 2**33

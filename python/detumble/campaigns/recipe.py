@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
-import detumble
 from detumble.checking import MOST_SEED
 from detumble.compiled import core
 from detumble.scenario.laws import LAWS
+from detumble.version import __version__
 
 if TYPE_CHECKING:
     from detumble.scenario.model import Scenario
@@ -47,7 +47,7 @@ class Recipe:
     scenario: str
     law: Annotated[str, Field(pattern=f"^({'|'.join(LAWS)}|none)$")]
     seed: Annotated[int, Field(ge=0, le=MOST_SEED)]
-    version: str = detumble.__version__
+    version: str = __version__
     shard: Annotated[int, Field(ge=1, le=10**6)] = SHARD
     arithmetic: Annotated[str, Field(pattern="^(wide|portable)$")] = "wide"
 

@@ -1,4 +1,4 @@
-"""Every picture of a campaign, from its statistics, its table, and a few of its runs flown again."""
+"""The pictures of a campaign: from its statistics, its table, and some of its runs flown again."""
 
 from __future__ import annotations
 
@@ -10,14 +10,17 @@ import numpy as np
 import polars as pl
 
 from detumble.campaigns import FIGURES
+from detumble.campaigns.columns import SUCCEEDED, drawn_table
 from detumble.campaigns.runs import draws
+from detumble.campaigns.runs.flying import fly_again
 from detumble.campaigns.statistics.inputs import drawn_columns, inputs
-from detumble.campaigns.store.rows import SUCCEEDED, drawn_names
+from detumble.campaigns.statistics.sensitivity import sensitivities
+from detumble.campaigns.store.table import Runs
 from detumble.checking import texts
 from detumble.errors import RequestError
 from detumble.results import results_folder
 from detumble.scenario.dispersions.fitting import fields
-from detumble.scenario.wording import did_you_mean, pretty
+from detumble.scenario.wording import pretty
 from detumble.show.campaign import (
     Caption,
     Trace,
@@ -28,6 +31,7 @@ from detumble.show.campaign import (
     sensitivity,
     success_map,
 )
+from detumble.text import did_you_mean
 from detumble.writing import output_folder
 
 if TYPE_CHECKING:
@@ -36,8 +40,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from detumble.campaigns.result import CampaignResult
+    from detumble.campaigns.recipe import Recipe
+    from detumble.campaigns.statistics.running import Statistics
     from detumble.campaigns.statistics.sensitivity import Sensitivity
+    from detumble.campaigns.store.campaign_folder import Store
     from detumble.scenario.model import Scenario
 
 Array: TypeAlias = "NDArray[np.float64]"
@@ -47,16 +53,17 @@ MAPPED = 200_000
 REFLOWN = 200
 """Most runs of the envelope, the first of the campaign."""
 TICKS = 4_000_000
-"""Most ticks kept for it in all."""
-SEEN = ("distance", "angle_error", "rate_error")
-"""Series that it shows."""
+"""Most ticks of the envelope, over all of its runs."""
+ENVELOPE = ("distance", "angle_error", "rate_error")
+"""Time series of the envelope."""
 
 
-def draw(result: CampaignResult, over: Sequence[str], target: float | None) -> list[Path]:
+def draw(store: Store, statistics: Statistics, over: Sequence[str], target: float | None) -> list[Path]:
     """Write the pictures into the folder `figures` of a campaign.
 
     Args:
-        result: the campaign.
+        store: the folder of the campaign.
+        statistics: of all its runs.
         over: the two inputs of the success map; none takes the two that matter most.
         target: half width of the success interval that was asked for.
 
@@ -66,25 +73,24 @@ def draw(result: CampaignResult, over: Sequence[str], target: float | None) -> l
     Raises:
         RequestError: there are no such inputs, SALib is not installed, or a file cannot be written.
     """
-    statistics, recipe = result.statistics, result.recipe
+    recipe = store.recipe
     scenario, law = recipe.parsed, recipe.law
     check_map(scenario, over)
     caption = Caption(scenario.title, law, statistics.runs, recipe.seed)
-    folder = result.folder / "figures"
-    rows = result.runs.lazy().head(MAPPED)
-    rows = rows.select(SUCCEEDED.name, *drawn_columns(rows.collect_schema().names()))
-    table = rows.collect()
+    folder = store.folder / "figures"
+    runs = Runs(store, statistics.runs).lazy()
+    table = runs.head(MAPPED).select(SUCCEEDED.name, *drawn_columns(runs.collect_schema().names())).collect()
     varying, _ = inputs(table, scenario)
-    with results_folder(result.folder, FIGURES), output_folder(folder):
+    with results_folder(store.folder, FIGURES), output_folder(folder):
         settled = {law: statistics.ecdf("settled_time_s")} if scenario.capture.merge and law != "none" else {}
         files = [
             capture_times({law: statistics.ecdf("capture_time_s")}, settled, caption, folder / "capture-times.png"),
             failures(statistics.success, statistics.failures, caption, folder / "failures.png"),
             convergence(statistics.convergence(), caption, folder / "convergence.png", target),
-            *_envelope(result, caption, folder / "envelope.png"),
+            *_envelope(recipe, statistics.runs, caption, folder / "envelope.png"),
         ]
         if varying:
-            outcomes = result.sensitivities()
+            outcomes = sensitivities(runs, scenario)
             files.append(sensitivity(outcomes, caption, folder / "sensitivity.png"))
             across, up = over or _strongest(outcomes, varying)
             labels = (_label(across), _label(up))
@@ -96,7 +102,7 @@ def draw(result: CampaignResult, over: Sequence[str], target: float | None) -> l
 
 
 def check_map(scenario: Scenario, over: Sequence[str]) -> None:
-    """Make sure, before anything is flown, that a success map can be drawn over two inputs.
+    """Check, before anything is flown, that a success map can be drawn over two inputs.
 
     Args:
         scenario: what is flown.
@@ -107,12 +113,7 @@ def check_map(scenario: Scenario, over: Sequence[str]) -> None:
     """
     if not texts("over", over):
         return
-    drawn: dict[str, Array] = {}
-    for path, values in draws.draw(scenario, 0, 0, 2).items():
-        rows = values.reshape(2, -1)
-        names = drawn_names(path, fields()[path].shape, rows.shape[1])
-        drawn |= {name: rows[:, element] for element, name in enumerate(names)}
-    varying, _ = inputs(pl.DataFrame(drawn), scenario)
+    varying, _ = inputs(pl.DataFrame(drawn_table(draws.draw(scenario, 0, 0, 2))), scenario)
     for name in over:
         if name not in varying:
             raise RequestError(
@@ -143,21 +144,20 @@ def _label(name: str) -> str:
     return f"{name} [{unit}]" if unit else name
 
 
-def _envelope(result: CampaignResult, caption: Caption, path: Path) -> list[Path]:
-    """Draw runs flown again, without those that cannot be, or that have no finite row; nothing where none is left."""
-    scenario = result.recipe.parsed
+def _envelope(recipe: Recipe, runs: int, caption: Caption, path: Path) -> list[Path]:
+    """Draw runs flown again, without those that cannot be flown or have no finite row; no picture where none is left."""
+    scenario = recipe.parsed
     ticks = round(scenario.time.duration / scenario.time.control_period) + 1
-    count = min(result.statistics.runs, max(10, min(REFLOWN, TICKS // ticks)))
-    time, seen = np.empty(0), np.full((len(SEEN), count, ticks), np.nan)
+    count = min(runs, max(10, min(REFLOWN, TICKS // ticks)))
+    time, series = np.empty(0), np.full((len(ENVELOPE), count, ticks), np.nan)
     for index in range(count):
-        with suppress(RequestError):  # one run that cannot be flown again stops no picture
-            own, *series = _seen(result, index)
+        with suppress(RequestError):  # a run that cannot be flown again does not stop the picture
+            own, *values = _history(recipe, index)
             time = max(time, own, key=len)
-            for values, one in zip(seen, series, strict=True):
-                values[index, : len(one)] = one
+            series[:, index, : len(own)] = values
     if not len(time):
         return []
-    distance, angle, rate = seen[:, :, : len(time)]
+    distance, angle, rate = series[:, :, : len(time)]
     capture, settled = scenario.capture, scenario.settled
     traces = [
         Trace("distance to goal [m]", distance, {"capture": capture.distance}),
@@ -171,7 +171,7 @@ def _envelope(result: CampaignResult, caption: Caption, path: Path) -> list[Path
     return [envelope(time, traces, caption, path)]
 
 
-def _seen(result: CampaignResult, index: int) -> list[Array]:
-    """Fly a run again, and let go of all of its history but the time and the series that are drawn."""
-    history = result.replay(index).history
-    return [history[name] for name in ("time", *SEEN)]
+def _history(recipe: Recipe, index: int) -> list[Array]:
+    """Fly a run again, and keep only the time and the series that are drawn, (ticks,) each."""
+    history = fly_again(recipe, index).history
+    return [history[name] for name in ("time", *ENVELOPE)]

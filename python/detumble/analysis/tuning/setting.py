@@ -1,0 +1,202 @@
+"""What a search for gains is: the gains of one law in one scenario, the objectives, the starts, the budget."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from detumble import __version__
+from detumble.analysis.tuning.horizon import default_horizon
+from detumble.analysis.tuning.provenance import told
+from detumble.analysis.tuning.space import space_of
+from detumble.campaigns.recipe import arithmetic
+from detumble.checking import real, seed_number, whole
+from detumble.compiled import check_gains
+from detumble.scenario.core import case
+from detumble.scenario.files import given
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Mapping
+
+    from detumble.analysis.tuning.objective import Objective
+    from detumble.analysis.tuning.space import Space
+    from detumble.scenario.laws import Form
+    from detumble.scenario.model import Scenario
+
+
+BUDGET, STARTS = (1, 10**9), (1, 10**6)
+"""Fewest and most evaluations, and starts."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What is searched, how candidates are judged, and what every candidate meets.
+
+    Attributes:
+        space: the gains that are searched for, in their scenario.
+        objectives: that are minimised, one or several; they agree on required success and on how flights end.
+        budget: evaluations; one evaluation is one candidate flown from all starts.
+        starts: runs 0 to `starts` - 1 of the campaign.
+        seed: of that campaign.
+        optimiser_seed: of the search itself.
+        horizon: s, after which a run has failed; at most the scenario's duration.
+    """
+
+    space: Space
+    objectives: tuple[Objective, ...]
+    budget: int
+    starts: int
+    seed: int
+    optimiser_seed: int
+    horizon: float
+
+    @classmethod
+    def of(
+        cls,
+        scenario: Scenario | str | os.PathLike[str],
+        law: str,
+        objectives: tuple[Objective, ...],
+        *,
+        budget: int,
+        starts: int,
+        seed: int,
+        optimiser_seed: int | None,
+        horizon: float | None,
+        form: Form | None,
+        stack: bool | None,
+        fixed: Mapping[str, float | None] | None,
+    ) -> Setting:
+        """Read the arguments of `tune` and `pareto_front`; see there.
+
+        Raises:
+            RequestError: an argument makes no sense.
+            ScenarioError: the scenario cannot be flown.
+        """
+        scenario = given(scenario)
+        budget, starts = whole("budget", budget, *BUDGET), whole("starts", starts, *STARTS)
+        seed = seed_number("seed", seed)
+        optimiser_seed = seed if optimiser_seed is None else seed_number("optimiser_seed", optimiser_seed)
+        horizon = None if horizon is None else real("horizon", horizon, above=0.0, unit="s")
+        space = space_of(scenario, law, form=form, stack=stack, fixed=fixed)
+        for objective in objectives:
+            objective.end(space.base)
+        check_gains(scenario.title, case(space.base, law))
+        horizon = default_horizon(space.base, seed, starts) if horizon is None else horizon
+        horizon = float(min(horizon, space.base.time.duration))
+        return cls(space, objectives, budget, starts, seed, optimiser_seed, horizon)
+
+    @property
+    def objective(self) -> Objective:
+        """The first of the objectives."""
+        return self.objectives[0]
+
+    @property
+    def form(self) -> str:
+        """Form of the law, `printed` or `corrected`."""
+        form: str = getattr(self.space.base.laws, self.space.law).form
+        return form
+
+    def scenario(
+        self, gains: Mapping[str, float], success: float, reached: Mapping[str, float], what: str = ""
+    ) -> Scenario:
+        """Give the scenario with gains that were found and how that was done; arguments as of `provenance.told`."""
+        return told(self.space, gains, self, self.objective, self.horizon, success, reached, what)
+
+    def header(self, more: Mapping[str, Any] = {}) -> dict[str, Any]:
+        """Give the first line of the record: all that the outcomes and the order of the candidates depend on.
+
+        Args:
+            more: what one kind of search adds; its entries replace those of the same name. Only read.
+        """
+        import hashlib
+        from importlib.metadata import version
+
+        return {
+            "law": self.space.law,
+            "gains": [tunable.path for tunable in self.space.tunables],
+            "scenario": hashlib.sha256(self.space.base.to_toml().encode()).hexdigest(),
+            "objective": asdict(self.objective),
+            **more,
+            "starts": self.starts,
+            "seed": self.seed,
+            "optimiser_seed": self.optimiser_seed,
+            "horizon_s": self.horizon,
+            "detumble": __version__,
+            "cma": version("cma"),
+            "numpy": np.__version__,
+            "arithmetic": arithmetic(None),
+        }
+
+    def to_json(self) -> dict[str, Any]:
+        """Give the setting as JSON takes it."""
+        base, law, objective = self.space.base, self.space.law, self.objective
+        return {
+            "scenario": base.title,
+            "law": law,
+            "form": self.form,
+            "objective": objective.what,
+            "statistic": objective.statistic,
+            "required": objective.required,
+            "until": objective.end(base),
+            "horizon_s": self.horizon,
+            "starts": self.starts,
+            "seed": self.seed,
+            "optimiser_seed": self.optimiser_seed,
+            "evaluations": self.budget,
+        }
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """Result of a search for gains.
+
+    Attributes:
+        setting: of the search.
+        seconds: that it took, wall-clock time.
+    """
+
+    setting: Setting
+    seconds: float
+
+    @property
+    def law(self) -> str:
+        """Name of the law whose gains they are."""
+        return self.setting.space.law
+
+    @property
+    def initial(self) -> Scenario:
+        """The scenario that the first candidate flew: form, stack's set and held gains as asked for."""
+        return self.setting.space.base
+
+    @property
+    def objective(self) -> Objective:
+        """The objective; of a front, that of the time."""
+        return self.setting.objective
+
+    @property
+    def horizon(self) -> float:
+        """Time after which a run has failed, s."""
+        return self.setting.horizon
+
+    @property
+    def evaluations(self) -> int:
+        """Number of candidates flown."""
+        return self.setting.budget
+
+    @property
+    def starts(self) -> int:
+        """Number of training starts."""
+        return self.setting.starts
+
+    @property
+    def seed(self) -> int:
+        """Seed of the training starts."""
+        return self.setting.seed
+
+    @property
+    def optimiser_seed(self) -> int:
+        """Seed of the search."""
+        return self.setting.optimiser_seed
