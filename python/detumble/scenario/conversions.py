@@ -70,40 +70,47 @@ def infinite() -> Array:
     return np.array([math.inf])
 
 
+def unlimited() -> Array:
+    """Infinity on each of three axes."""
+    return np.full(3, math.inf)
+
+
 def word(value: Any) -> Any:
     """The word, number or switch as it is."""
     return value
 
 
 def ticks(duration: float, period: float) -> int:
-    """The periods needed to cover a duration: rounded up, a whole number of periods recognised to a relative 1e-9."""
+    """The periods that cover a duration: with c = duration / period the least whole number >= c - 1e-9 max(1, c), at least 0."""
     count = duration / period
     return max(0, math.ceil(count - 1e-9 * max(1.0, count)))
 
 
 def steps(step: float, period: float) -> int:
-    """The fewest equal steps, at least one, that a period is cut into for none to be longer than `step`."""
+    """The fewest equal steps that a period is cut into for none to be longer than `step`: ticks(period, step), at least 1."""
     return max(1, ticks(period, step))
 
 
 def nearest_tick(time: float, period: float) -> int:
-    """The ratio, rounded to the nearest whole number."""
+    """The whole number nearest to time / period."""
     return round(time / period)
 
 
 def tick_within(time: float, duration: float, period: float) -> int:
-    """Likewise, at most one tick after that at which the flight ends."""
+    """nearest_tick(time, period), at most one tick after the end of the flight: nearest_tick(duration, period) + 1."""
     return min(nearest_tick(time, period), nearest_tick(duration, period) + 1)
 
 
 def wait(time: float, duration: float, period: float) -> int:
-    """The periods that cover a wait; one longer than the flight counts as one period longer than the flight."""
+    """The periods that cover a wait: ticks(min(time, end), period) with end = (nearest_tick(duration, period) + 1) period."""
     return ticks(min(time, (nearest_tick(duration, period) + 1) * period), period)
 
 
 NUMBERS: Mapping[str, Callable[..., Array]] = {
-    made.__name__: made for made in (number, degrees, per_axis, tensor, total, ratio, mean_motion, zeros, infinite)
+    made.__name__: made
+    for made in (number, degrees, per_axis, tensor, total, ratio, mean_motion, zeros, infinite, unlimited)
 }
 PLAN: Mapping[str, Callable[..., Any]] = {
     made.__name__: made for made in (word, ticks, steps, nearest_tick, tick_within, wait)
 }
+ALL: Mapping[str, Callable[..., Any]] = {**NUMBERS, **PLAN}

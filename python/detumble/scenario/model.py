@@ -117,9 +117,11 @@ class Settled(Section):
     """When the stack counts as stabilised: both hold until the end of the flight."""
 
     angle_deg: Annotated[
-        float, Quantity("deg", "stack axes against H", place="settled.angle", above=0.0, most=180.0)
+        float, Quantity("deg", "stack axes against H", provenance="ours", place="settled.angle", above=0.0, most=180.0)
     ] = 5.0
-    rate: Annotated[float, Quantity("rad/s", "rate relative to H", place="settled.rate", above=0.0, most=100.0)] = 0.005
+    rate: Annotated[
+        float, Quantity("rad/s", "rate relative to H", provenance="ours", place="settled.rate", above=0.0, most=100.0)
+    ] = 0.005
 
 
 class Campaign(Section):

@@ -93,6 +93,7 @@ class Quantity:
         rigid: an inertia that a real body must be able to have (triangle inequality).
         words: texts that may stand instead of a number.
         note: follows the meaning in descriptions of the field.
+        provenance: of the default.
         place: where the field goes in the core; a path, or a `Place` with rules for where the field is absent.
         bounds: as in Range.
     """
@@ -107,6 +108,7 @@ class Quantity:
         rigid: bool = True,
         words: tuple[str, ...] = (),
         note: str = "",
+        provenance: str = "",
         place: str | Place | None = None,
         above: float | None = None,
         least: float | None = None,
@@ -121,6 +123,7 @@ class Quantity:
         self.rigid = rigid
         self.words = words
         self.note = note
+        self.provenance = provenance
         self.place = Place(place) if isinstance(place, str) else place
         self.range = Range(above=above, least=least, below=below, most=most, infinite=infinite)
 

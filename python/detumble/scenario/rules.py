@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 At = Callable[[str], Any]
 """Gives the value of a field by its dotted path; None where it is absent."""
@@ -44,11 +44,10 @@ class Rule:
     def json(self) -> dict[str, Any]:
         """Give the rule as plain data; what it does not use is left out."""
         return {
-            "conversion": self.conversion,
+            **({"conversion": self.conversion} if self.constant is None else {"value": self.constant}),
             **({"of": list(self.of)} if self.of else {}),
             **({"when": dict(self.when)} if self.when else {}),
             **({"design": True} if self.design else {}),
-            **({"value": self.constant} if self.constant is not None else {}),
         }
 
 
@@ -73,6 +72,16 @@ def active(rules: tuple[Rule, ...], at: At) -> Rule:
     raise LookupError(f"no rule applies: {rules}")
 
 
+Effect = Literal["noise", "inertia", "law"]
+"""What a number that differs from run to run changes beside its own value; see `EFFECTS`."""
+
+EFFECTS: dict[Effect, str] = {
+    "noise": "the sensor is noisy in the whole campaign, whatever the nominal sigma",
+    "inertia": "nothing is assumed of the body's tensor: neither principal axes nor symmetry",
+    "law": "the law is built anew for each run",
+}
+
+
 class Place:
     """Where a field goes in the core, for use in `Quantity`.
 
@@ -81,13 +90,22 @@ class Place:
         otherwise: rules tried where the field itself does not give the number.
         own: whether the field alone gives the number, by the conversion that its quantity declares.
         when: conditions for that, as in `Rule`.
+        effect: what it changes in the core that the number differs from run to run; None for nothing.
     """
 
-    def __init__(self, path: str, *otherwise: Rule, own: bool = True, when: tuple[tuple[str, Any], ...] = ()) -> None:
+    def __init__(
+        self,
+        path: str,
+        *otherwise: Rule,
+        own: bool = True,
+        when: tuple[tuple[str, Any], ...] = (),
+        effect: Effect | None = None,
+    ) -> None:
         self.path = path
         self.otherwise = otherwise
         self.own = own
         self.when = when
+        self.effect = effect
 
     def rules(self, field: str, conversion: str) -> tuple[Rule, ...]:
         """Give the rules of the number.

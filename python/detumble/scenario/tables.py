@@ -8,33 +8,44 @@ from __future__ import annotations
 
 from functools import cache
 from itertools import chain
-from typing import Any, get_origin
+from typing import TYPE_CHECKING, Any, get_origin
 
 from detumble.scenario.laws import CHANNELS, LAWS, REGISTER
 from detumble.scenario.laws.base import gains_of_section
 from detumble.scenario.quantity import Quantity
 from detumble.scenario.reflection import quantity_of, section_of
 from detumble.scenario.rules import Rule, Table, constant
-from detumble.scenario.section import Section
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from pydantic.fields import FieldInfo
+
+    from detumble.scenario.section import Section
+
+
+@cache
+def leaves() -> dict[str, FieldInfo]:
+    """Give every field of a scenario that is no table, by its dotted path, in the order of the file; lists are left out."""
+    from detumble.scenario.model import Scenario
+
+    return dict(_leaves(Scenario, ""))
+
+
+def _leaves(section: type[Section], path: str) -> Iterator[tuple[str, FieldInfo]]:
+    for name, field in section.model_fields.items():
+        inner = section_of(field.annotation)
+        if inner is None:
+            yield path + name, field
+        elif get_origin(field.annotation) is not list:
+            yield from _leaves(inner, f"{path}{name}.")
 
 
 @cache
 def quantities() -> dict[str, Quantity]:
     """Give every quantity of a scenario by its dotted path, in the order of the file; those within lists are left out."""
-    from detumble.scenario.model import Scenario
-
-    found: dict[str, Quantity] = {}
-    _collect(Scenario, "", found)
-    return found
-
-
-def _collect(section: type[Section], path: str, found: dict[str, Quantity]) -> None:
-    for name, field in section.model_fields.items():
-        quantity, inner = quantity_of(field), section_of(field.annotation)
-        if quantity is not None:
-            found[path + name] = quantity
-        elif inner is not None and get_origin(field.annotation) is not list:
-            _collect(inner, f"{path}{name}.", found)
+    found = {path: quantity_of(field) for path, field in leaves().items()}
+    return {path: quantity for path, quantity in found.items() if quantity is not None}
 
 
 @cache

@@ -22,7 +22,7 @@ _BELOW_ONE = 'must be less than 1: the corrected form flies it; form = "printed"
 
 
 def _odd(meaning: str) -> Quantity:
-    return Quantity("", meaning, shape="odd", least=1, most=99)
+    return Quantity("", meaning, provenance="ours", shape="odd", least=1, most=99)
 
 
 def _slope(unit: str, scale: Scale) -> Gain:
