@@ -222,7 +222,7 @@ def _ranges(space: Space) -> str:
 def _headline(result: SearchResult, what: str) -> str:
     from detumble.scenario.laws import TITLES
 
-    law, objective = f"{TITLES[result.law]}, {result.setting.form}", result.objective
+    law, objective = ", ".join(filter(None, (TITLES[result.law], result.setting.form))), result.objective
     return (
         f"{result.initial.title}\n{law}: {objective.statistic} {what} over {result.starts} starts of seed {result.seed}\n"
         f"at least {100 * objective.required:g} % successful within {result.horizon:g} s"

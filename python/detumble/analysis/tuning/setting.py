@@ -16,6 +16,7 @@ from detumble.checking import real, seed_number, whole
 from detumble.compiled import check_gains
 from detumble.scenario.core import case
 from detumble.scenario.files import given
+from detumble.scenario.laws import form_of
 
 if TYPE_CHECKING:
     import os
@@ -94,10 +95,9 @@ class Setting:
         return self.objectives[0]
 
     @property
-    def form(self) -> str:
-        """Form of the law, `printed` or `corrected`."""
-        form: str = getattr(self.space.base.laws, self.space.law).form
-        return form
+    def form(self) -> Form | None:
+        """Form of the law; None for a law that has only one."""
+        return form_of(getattr(self.space.base.laws, self.space.law))
 
     def scenario(
         self, gains: Mapping[str, float], success: float, reached: Mapping[str, float], what: str = ""

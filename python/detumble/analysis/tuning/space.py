@@ -15,7 +15,7 @@ from detumble.campaigns.runs.overlay import overlay
 from detumble.checking import choice, flag, instance, real
 from detumble.errors import RequestError
 from detumble.scenario.faults import validated
-from detumble.scenario.laws import CHANNELS, FORMS, LAWS, REGISTER
+from detumble.scenario.laws import CHANNELS, LAWS, REGISTER, checked_form
 from detumble.text import did_you_mean
 
 if TYPE_CHECKING:
@@ -50,11 +50,7 @@ def space_of(
             infinite.
         ScenarioError: a held value is none that the gain can have.
     """
-    if form is not None:
-        choice("form", form, FORMS)
-    choice("law", law, LAWS)
-    if form is not None and form not in REGISTER[law].forms():
-        raise RequestError(f"form {form!r}: {law} has no forms")
+    form = checked_form(choice("law", law, LAWS), form)
     if stack is not None:
         stack = flag("stack", stack)
     if fixed is not None:

@@ -6,6 +6,8 @@ from typing import Any, Literal
 
 from pydantic import Field
 
+from detumble.checking import choice, met
+from detumble.errors import RequestError
 from detumble.scenario.laws.base import CHANNELS, FORMS, Appearance, Form, Gain, Law, Natural, Provenance, form_of
 from detumble.scenario.laws.lqr import Lqr
 from detumble.scenario.laws.open_loop import OpenLoop, Segment
@@ -31,6 +33,7 @@ __all__ = [
     "OpenLoop",
     "Provenance",
     "Segment",
+    "checked_form",
     "form_of",
 ]
 
@@ -77,3 +80,21 @@ APPEARANCES: dict[str, type[Appearance]] = {**REGISTER, "none": OpenLoop}
 
 TITLES = {name: law.title for name, law in APPEARANCES.items()}
 """What tables and figures call each law."""
+
+
+def checked_form(law: str, form: str | None) -> Form | None:
+    """Check the form that is asked for.
+
+    Args:
+        law: one of `LAWS`.
+        form: None where none is asked for.
+
+    Raises:
+        RequestError: the law has no such form, or none to choose from.
+    """
+    forms = REGISTER[law].forms()
+    if form is None:
+        return None
+    if not forms:
+        raise RequestError(f"form {met(form)}: {law} has only one form; leave it out")
+    return choice("form", form, forms)

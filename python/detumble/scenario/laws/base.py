@@ -261,7 +261,7 @@ class Law(Appearance, Generic[Translation, Rotation]):
 
 def form_of(law: Section) -> Form | None:
     """Give the form of a law; None where it has no such option."""
-    return getattr(law, "form", None)
+    return law.form if isinstance(law, TwoForms) else None
 
 
 def shared_gain(name: str, meaning: str) -> tuple[Relation, ...]:
