@@ -23,6 +23,7 @@ from detumble.campaigns.result import read_campaign
 from detumble.campaigns.store.shard import digest
 from detumble.cli import main
 from detumble.errors import RequestError
+from detumble.scenario import LAWS
 from uncertain import flown, rows_digest, uncertain
 
 RUNS = 500
@@ -171,7 +172,7 @@ def test_a_terminal_sees_progress_and_a_program_still_gets_its_json(scenario: Pa
         (("--until-ci", "nan"), "until_ci nan: must lie between 0 and 0.5"),
         (("--threads", "1", "--local-cluster", "1"), "at most one of them says who flies"),
         (("--backend", "avx1024"), "no back end 'avx1024' on this machine"),
-        (("--law", "prl"), "law 'prl': must be one of pd, lqr, sosmc, tsmc, prrl, or none for open loop"),
+        (("--law", "prl"), f"law 'prl': must be one of {', '.join(LAWS)}, or none for open loop"),
         (("--set", "chaser.mas=3"), "chaser.mas  unknown key; did you mean mass"),
     ],
 )

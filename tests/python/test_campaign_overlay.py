@@ -21,6 +21,7 @@ from detumble.scenario import LAWS, Scenario
 from detumble.scenario.core import case
 from detumble.scenario.dispersions.fitting import fields
 from detumble.scenario.faults import validated
+from detumble.scenario.laws import REGISTER
 from detumble.scenario.quantity import Quantity
 
 ALL_LAWS = (*LAWS, "none")
@@ -49,7 +50,8 @@ def maximal(**changes: Any) -> Scenario:
     raw["sensors"] = {f"{name}_sigma": 1e-3 for name in ("position", "velocity", "attitude", "rate")}
     for law in LAWS:
         gains = raw["laws"][law]
-        gains["form"] = "corrected"
+        if REGISTER[law].forms():
+            gains["form"] = "corrected"
         if "layer" in gains["rotation"]:
             gains["rotation"]["layer"] = 0.2
         gains["stack"] = {channel: dict(gains[channel]) for channel in ("translation", "rotation")}

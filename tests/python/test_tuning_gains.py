@@ -13,7 +13,9 @@ from detumble.analysis.tuning.gains import gains_of
 from detumble.analysis.tuning.space import space_of
 from detumble.scenario import LAWS, Scenario
 from detumble.scenario.faults import validated
+from detumble.scenario.laws import Form
 from detumble.scenario.laws.tsmc import EXPONENT
+from variants import VARIANTS
 
 SHIPPED = [
     (name, law) for name in detumble.scenarios() for law in LAWS if getattr(detumble.load(name).laws, law) is not None
@@ -48,9 +50,8 @@ def test_point_and_gains_are_each_others_inverse(law: str, stack: bool) -> None:
     assert again == pytest.approx(values, rel=1e-12)
 
 
-@pytest.mark.parametrize("form", ["printed", "corrected"])
-@pytest.mark.parametrize("law", LAWS)
-def test_what_is_flown_is_what_the_file_says(law: str, form: str) -> None:
+@pytest.mark.parametrize(("law", "form"), VARIANTS)
+def test_what_is_flown_is_what_the_file_says(law: str, form: Form | None) -> None:
     """Candidates as columns of one batch, and each as a scenario of its own: the same bits."""
     scenario = detumble.load("paper_dispersed")
     for stack in (False, True):
@@ -80,9 +81,8 @@ def similar(scenario: Scenario, length: float, mass: float, inertia: float) -> S
     return validated(raw, "similar")
 
 
-@pytest.mark.parametrize("form", ["printed", "corrected"])
-@pytest.mark.parametrize("law", LAWS)
-def test_a_point_of_the_cube_means_the_same_to_a_spacecraft_of_another_size(law: str, form: str) -> None:
+@pytest.mark.parametrize(("law", "form"), VARIANTS)
+def test_a_point_of_the_cube_means_the_same_to_a_spacecraft_of_another_size(law: str, form: Form | None) -> None:
     paper = detumble.load("paper")
     flown = []
     for case in (similar(paper, 1.0, 1.0, 1.0), similar(paper, 10.0, 3.0, 7.0)):

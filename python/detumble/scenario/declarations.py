@@ -72,6 +72,7 @@ def _law(name: str) -> dict[str, Any]:
         "colour": look.colour,
         "dashes": [] if look.dashes == "-" else list(look.dashes[1]),
         "marker": look.marker,
+        "width": look.width,
         "forms": list(REGISTER[name].forms()) if name in REGISTER else [],
         "plan": _plain(law_words(name)),
         "numbers": _plain(law_rules(name)),

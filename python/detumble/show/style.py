@@ -34,15 +34,17 @@ class Look:
         colour: hexadecimal.
         dashes: line style as matplotlib takes it.
         marker: where a point stands for it.
+        width: of lines, points.
     """
 
     label: str
     colour: str
     dashes: Dashes
     marker: str
+    width: float = 1.5
 
 
-LOOKS = {name: Look(law.title, law.colour, law.dashes, law.marker) for name, law in APPEARANCES.items()}
+LOOKS = {name: Look(law.title, law.colour, law.dashes, law.marker, law.width) for name, law in APPEARANCES.items()}
 """By law."""
 
 AXIS_LOOKS = (

@@ -231,6 +231,8 @@ class Appearance(Section):
     """Hexadecimal; apart from that of any other law, also to the colour-blind."""
     dashes: ClassVar[Dashes]
     marker: ClassVar[str]
+    width: ClassVar[float] = 1.5
+    """Of lines, points."""
 
 
 class Law(Appearance, Generic[Translation, Rotation]):

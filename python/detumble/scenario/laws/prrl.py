@@ -49,6 +49,7 @@ class Prrl(Law[PrrlTranslation, PrrlRotation], TwoForms):
     colour = "#D55E00"
     dashes = "-"
     marker = "o"
+    width = 2.0
 
     alpha: Annotated[float, _power(", in every channel that has none of its own")] | None = None
 
