@@ -86,7 +86,7 @@ def flown(
     """
     checked = checked_backend(backend)
     try:
-        record = core().fly(numbers, seed, index, checked, differing)
+        record = core().fly(numbers, seed=seed, index=index, backend=checked, differing=differing)
     except ValueError as error:
         raise ScenarioError(scenario.title, problem=str(error)) from None
     metrics = Metrics.from_summary(record["summary"])
@@ -143,7 +143,7 @@ def _divergence(history: Mapping[str, NDArray[np.float64]], metrics: Metrics, st
     last = {name: float(abs(history[name][-1]).max()) for name in units}
     before = {name: float(abs(history[name][-2:][0]).max()) for name in units}
     name = max(units, key=lambda name: (last[name] / before[name] if before[name] else 0.0, last[name]))
-    return f"the state left the numbers; last finite {name}: {last[name]:.3g} {units[name]}"
+    return f"the state became non-finite; last finite {name}: {last[name]:.3g} {units[name]}"
 
 
 def _listed(value: Any) -> Any:

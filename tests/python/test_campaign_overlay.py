@@ -190,9 +190,9 @@ def test_the_numbers_of_a_run_are_those_of_its_scenario_and_it_flies_by_them(nam
                     numbers[place] = wanted[place]
             assert numbers == wanted, law
             assert (numbers != dict(flat(given))) == bool(columns), law
-            alone = core().fly(expected, SEED, index, "portable", list(columns))["summary"]
+            alone = core().fly(expected, seed=SEED, index=index, backend="portable", differing=list(columns))["summary"]
             for metric in SCALARS:
-                found = float(np.sum(alone[metric.source]))
+                found = float(alone[metric.name])
                 assert found == flown[metric.key][index] or (math.isnan(found) and math.isnan(flown[metric.key][index]))
 
 

@@ -160,7 +160,15 @@ class Trials:
         nominal = self.nominal(law)
         try:
             flown = core().fly_many(
-                nominal, columns, flights, self.seed, self.first, threads, backend, False, progress, self.count
+                nominal,
+                columns,
+                flights,
+                seed=self.seed,
+                first_index=self.first,
+                threads=threads,
+                backend=backend,
+                progress=progress,
+                cycle=self.count,
             )
         except ValueError as error:
             raise ScenarioError(self.scenario.title, problem=str(error)) from None
