@@ -137,7 +137,7 @@ class _Ledger:
         )
 
     def _others(self, path: Path) -> Iterator[_Ledger]:
-        """Open the ledgers of other folders that a file lies in: pictures of a comparison may have been drawn apart."""
+        """Open the ledgers of other folders that a file lies in: pictures of a comparison may have been written separately."""
         for folder in path.resolve().parents:
             if folder != self.folder and (folder / LEDGER).is_file():
                 with suppress(RequestError):

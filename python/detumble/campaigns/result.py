@@ -173,9 +173,9 @@ class CampaignResult:
         Raises:
             RequestError: there are no such inputs, SALib is not installed, or a file cannot be written.
         """
-        from detumble.campaigns.pictures import draw
+        from detumble.campaigns.pictures import write_pictures
 
-        return draw(self.store, self.statistics, over, target)
+        return write_pictures(self.store, self.statistics, over, target)
 
     def to_json(self) -> dict[str, Any]:
         """Give everything in one object, as `detumble campaign --json` prints it."""

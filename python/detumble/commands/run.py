@@ -118,12 +118,13 @@ def _text(flight: Flight) -> str:
 
 
 def _write(flight: Flight, folder: Path) -> list[Path]:
-    from detumble.show.flight import flight_figure
+    from detumble.show.flight import plot_flight
+    from detumble.show.style import write_figure
     from detumble.writing import write_text
 
     files = [folder / name for name in FILES]
     flight.to_netcdf(files[0])
     write_text(files[1], flight.scenario.to_toml())
     write_text(files[2], json_text({**_json(flight), "files": []}) + "\n")
-    flight_figure(flight, files[3])
+    write_figure(lambda: plot_flight(flight), files[3])
     return files

@@ -1,4 +1,4 @@
-"""What figures draw: time series until and after capture, thinned to what can be seen, and the spans of time to show."""
+"""Data of the figures: time series until and after capture, thinned to what can be seen, and the spans of time to show."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Array: TypeAlias = NDArray[np.float64]
 
 MOST_POINTS = 4000
 LARGEST = 1e100
-"""What a diverged flight reaches beyond this is not drawn: axes cannot carry it."""
+"""What a diverged flight reaches beyond this is not plotted: axes cannot show it."""
 
 _BEFORE_MERGE = ("position", "velocity", "chaser_attitude", "chaser_rate", "debris_attitude", "debris_rate")
 _HELD = ("force", "force_command", "torque", "torque_command")
@@ -28,7 +28,7 @@ _JUDGED |= {"speed_error": "capture_speed"}
 
 @dataclass(frozen=True)
 class Span:
-    """A stretch of time to draw, s.
+    """A span of time to plot, s.
 
     Attributes:
         end: it begins at 0.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from detumble.show.approach import WIDTH, first
-from detumble.show.axes import draw_level, draw_line, law_legend, said, time_panels
+from detumble.show.axes import law_legend, plot_level, plot_line, said, time_panels
 from detumble.show.series import LARGEST, Array, after_capture, flown, merged, spans
 from detumble.show.style import look
 
@@ -37,9 +37,9 @@ def stack_after_capture(flights: Mapping[str, Flight]) -> Figure:
             for law, flight in stacks.items():
                 time, values = after_capture(flight, name)
                 since = time - (flight.metrics.capture_time or 0.0)
-                draw_line(axes, law, (since, scale * values), span.end)
+                plot_line(axes, law, (since, scale * values), span.end)
                 _mark_settling(axes, law, flight, since, scale * values, span.end)
-            draw_level(axes, [level], text if axes is row[-1] else "")
+            plot_level(axes, [level], text if axes is row[-1] else "")
         _set_log_scale(row[0], level, [scale * after_capture(flight, name)[1] for flight in stacks.values()])
     ends = {law: said(flight.metrics.settling_time, flight) for law, flight in flights.items()}
     law_legend(figure, flights, ends, "law, settled after capture within")
@@ -59,9 +59,9 @@ def _mark_settling(axes: Axes, law: str, flight: Flight, since: Array, values: A
     )  # fmt: skip
 
 
-def _set_log_scale(axes: Axes, level: float, drawn: Sequence[Array]) -> None:
+def _set_log_scale(axes: Axes, level: float, plotted: Sequence[Array]) -> None:
     """Count decades, from a hundredth of the threshold to a little above the largest value."""
-    values = np.concatenate([[level], *drawn])
+    values = np.concatenate([[level], *plotted])
     values = values[(values > 0.0) & (values < LARGEST)]
     axes.set_yscale("log")
     axes.set_ylim(max(float(values.min()) / 1.5, 1e-2 * level), 2.0 * float(values.max()))

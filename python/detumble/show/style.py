@@ -7,7 +7,7 @@ dashes and markers, for print in grey. Settings hold within `styled()` only, and
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,7 +28,7 @@ DPI = 200
 
 @dataclass(frozen=True)
 class Look:
-    """How one thing is drawn wherever it appears.
+    """Appearance of a law or an axis in every figure.
 
     Attributes:
         label: its name in legends.
@@ -97,7 +97,7 @@ def look(law: str) -> Look:
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Draw with detumble's settings, whatever the user's own are; they are back afterwards."""
+    """Plot with detumble's settings, whatever the user's own are; they are back afterwards."""
     load_matplotlib()
     import matplotlib.style
 
@@ -130,6 +130,23 @@ def shortened(name: str, width: int) -> str:
     return name if len(name) <= width else f"{name[: width // 3]}…{name[-(width - width // 3 - 1) :]}"
 
 
+def write_figure(plot: Callable[[], Figure], path: Path) -> Path:
+    """Plot a figure with detumble's settings and write it.
+
+    Args:
+        plot: makes the figure, in memory.
+        path: the file, ending in .png or .svg; an older one is replaced.
+
+    Returns:
+        The path.
+
+    Raises:
+        RequestError: it cannot be written.
+    """
+    with styled():
+        return save(plot(), [path])[0]
+
+
 def save(figure: Figure, paths: Sequence[Path]) -> list[Path]:
     """Write a figure to each path, each file whole or not at all; call it within `styled()`.
 
@@ -149,7 +166,7 @@ def save(figure: Figure, paths: Sequence[Path]) -> list[Path]:
     for path in paths:
         with whole_file(path) as temporary, warnings.catch_warnings():
             warnings.filterwarnings("ignore", message="Glyph .* missing from")  # a title in a script without font here
-            # straight to the canvas: `savefig` would draw everything twice
+            # straight to the canvas: `savefig` would render everything twice
             if path.suffix == ".svg":
                 canvas: Any = FigureCanvasSVG(figure)
                 canvas.print_svg(temporary, metadata={"Date": None})

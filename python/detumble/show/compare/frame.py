@@ -27,7 +27,7 @@ _ROW = 0.2
 
 @dataclass(frozen=True)
 class EntryLook:
-    """How an entry is drawn.
+    """Appearance of an entry.
 
     Attributes:
         label: its name, shortened.
