@@ -2,7 +2,7 @@
 
 Take an interval [t₀, t₁] of possible ends T and its middle t_m. The debris' attitude moves by no more than
 (t₁ - t₀)/2 · max|w_D| from the middle, its rate by no more than (t₁ - t₀)/2 · b |w_D|² (`turn`: b), so the thresholds widen
-by that; what the chaser can do grows with time, so t₁ stands for all. Besides the relaxations of `turn` there are those of
+by that; what the chaser can do grows with time, so t₁ is used for all. Besides the relaxations of `turn` there are those of
 single body axes. With w' = I⁻¹(τ - w × I w) and |w_j| ≤ W_j, where (I⁻¹(w × I w))_i = wᵀ G_i w,
 
     |w_i(t) - w_i(0)| ≤ c_i(t),     c_i' = a_i + Σ_jk |G_i,jk| W_j W_k,     a_i = Σ_j |I⁻¹_ij| limit_j,     W = |w(0)| + c,
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 CELLS = 96  # of the time from the start to the end, in which rates are bounded
 PASSES = 3  # of the bound of the gyroscopic coupling
-RESOLUTION = 4e-4  # of the time: what the search gives away
+RESOLUTION = 4e-4  # of the time: loss of the search
 SHORTEST = 1e-5  # s
 SIGNS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 AXES = np.array([axis for axis in itertools.product((-1.0, 0.0, 1.0), repeat=3) if axis > (0.0, 0.0, 0.0)])
@@ -57,7 +57,7 @@ def earliest_attitude(pursuit: Pursuit, start: Array) -> float:
         start: (20,), as `pursuit.start_of` gives it.
 
     Returns:
-        0 where they hold at once or no torque limit keeps them from it; inf where the flight is too short.
+        0 where they hold at the start or the torque is unlimited; inf where the flight is too short.
     """
     turn = Turn(pursuit, start)
     dwell, last = pursuit.dwell_ticks * pursuit.period, pursuit.periods * pursuit.period
@@ -77,7 +77,7 @@ def earliest_attitude(pursuit: Pursuit, start: Array) -> float:
 
 
 class Turn:
-    """One start, with the certificates that no end of an interval can be met."""
+    """One start, and certificates that exclude intervals of time."""
 
     def __init__(self, pursuit: Pursuit, start: Array) -> None:
         self.pursuit, self.agility = pursuit, pursuit.agility
@@ -145,7 +145,7 @@ class Turn:
         added = np.zeros((CELLS + 1, 3))
         bound = np.repeat(ceiling[:, None], 3, axis=1)
         for _ in range(PASSES):
-            later = bound[1:]  # the bound rises, so its value at the end of a cell serves for all of it
+            later = bound[1:]  # the bound rises, so its value at the end of a cell holds for all of it
             added[1:] = width * np.cumsum(np.einsum("ijk,tj,tk->ti", self.coupling, later, later), axis=0)
             bound = np.minimum(bound, driven + added)
         return added

@@ -7,8 +7,8 @@ together (Bock & Plitt, IFAC 1984). Two programmes, each built once:
                                              cubic splines through its tumble
     on time     min slack + small effort     intervals as given, thresholds widened by the slack at chosen nodes
 
-Angle: (q_C · q_D)² ≥ cos²(θ/2), blind to the signs of quaternions. Rate: |w_C - R w_D|² ≤ rate². Nothing here is trusted:
-whoever calls flies the torques again. IPOPT stops after a number of iterations, not of seconds, so that its answer is the
+Angle: (q_C · q_D)² ≥ cos²(θ/2), independent of the signs of quaternions. Rate: |w_C - R w_D|² ≤ rate². Solutions are not verified
+here: the callers integrate the torques again. IPOPT stops after a number of iterations, not of seconds, so that its answer is the
 same everywhere.
 """
 
@@ -105,7 +105,7 @@ def on_time(
         guess: TIMED_INTERVALS intervals; its first node is the start.
 
     Returns:
-        What IPOPT ended with, and by how much it had to widen the thresholds (their squares, relative); 0 if not at all.
+        What IPOPT ended with, and how far it widened the thresholds (their squares, relative); 0 if not at all.
     """
     ca = casadi()
     solver = _timed_solver()

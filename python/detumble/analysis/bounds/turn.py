@@ -35,7 +35,7 @@ ROUND_OFF = 1e-7  # rad and rad/s that a certificate must show
 
 @dataclass(frozen=True)
 class Agility:
-    """What a torque box can do to a rigid body's rate; the symbols are the module's.
+    """Bounds of a rigid body's rate under per-axis torque limits; the symbols are the module's.
 
     Attributes:
         inertia: (3, 3) kg m².
@@ -98,7 +98,7 @@ class Agility:
         )
 
     def fastest_free(self, rate: Array) -> float:
-        """The most |w|, rad/s, that a body left to itself ever has, from a rate (3,): energy and momentum stay."""
+        """The most |w|, rad/s, that a torque-free body ever has, from a rate (3,): energy and momentum stay."""
         energy, momentum = math.sqrt(rate @ self.inertia @ rate), float(np.linalg.norm(self.inertia @ rate))
         return min(energy / math.sqrt(self.smallest), momentum / self.smallest)
 
