@@ -79,7 +79,7 @@ def campaign(
 
     Raises:
         ScenarioError: the scenario cannot be flown.
-        RequestError: an argument cannot be used, the folder does not take the runs, or holds another campaign; polars
+        RequestError: an argument cannot be used, the folder is not writable, or holds another campaign; polars
             cannot work in this process (`surroundings`).
     """
     scenario, resume = given(scenario), flag("resume", resume)
@@ -128,7 +128,7 @@ def _executor(
 
 @contextmanager
 def _folder(out: str | os.PathLike[str] | None) -> Iterator[Path]:
-    """Give the folder of the runs; a temporary one goes with a campaign that fails."""
+    """Give the folder of the runs; a temporary one is removed if the campaign fails."""
     if out is not None:
         yield named_folder(out, "out")
         return

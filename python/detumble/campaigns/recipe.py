@@ -25,7 +25,7 @@ WIDE = "avx2"
 
 
 def arithmetic(backend: str | None) -> str:
-    """Say whose bits the rows have that a back end gives; None is the best that this machine has."""
+    """Name the kind of arithmetic of a back end, `wide` or `portable`; None is the best back end of this machine."""
     portable = backend == "portable" or (backend is None and WIDE not in core().backends())
     return "portable" if portable else "wide"
 

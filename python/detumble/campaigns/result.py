@@ -1,4 +1,4 @@
-"""What a campaign has shown, and the way back to its runs."""
+"""Result of a campaign: statistics, the table of its runs, and the flight of any run again."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class Effort:
-    """What it took to fly the runs that were not there before.
+    """Work of a call: the runs that it flew itself, without those read from the folder.
 
     Attributes:
         flown: runs.
@@ -42,7 +42,7 @@ class Effort:
     seconds: float = 0.0
 
     def count(self, flown: int, ticks: int, lane_ticks: int) -> None:
-        """Add what a shard took."""
+        """Add the work of a shard."""
         self.flown += flown
         self.ticks += ticks
         self.lane_ticks += lane_ticks
@@ -90,7 +90,7 @@ class CampaignResult:
     Attributes:
         store: its folder.
         statistics: of all its runs.
-        effort: what it took.
+        effort: work of this call.
     """
 
     store: Store
@@ -99,7 +99,7 @@ class CampaignResult:
 
     @property
     def folder(self) -> Path:
-        """Where the runs stand."""
+        """Folder of the runs."""
         return self.store.folder
 
     @property
@@ -109,7 +109,7 @@ class CampaignResult:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What a reader of the numbers ought to know, in sentences."""
+        """Sentences about what limits the validity of the statistics."""
         statistics, found = self.statistics, []
         runs, at_once, fast = statistics.runs, statistics.captured_at_once, statistics.fast_turns
         if at_once and self.recipe.law != "none":
@@ -181,5 +181,5 @@ class CampaignResult:
         """Give everything in one object, as `detumble campaign --json` prints it."""
         scenario = self.recipe.parsed
         named = {"scenario": scenario.title, "law": self.recipe.law, "seed": self.recipe.seed}
-        told = {"warnings": list(self.warnings), "folder": str(self.folder)}
-        return {**named, **self.statistics.to_json(), **self.effort.to_json(), **told}
+        where = {"warnings": list(self.warnings), "folder": str(self.folder)}
+        return {**named, **self.statistics.to_json(), **self.effort.to_json(), **where}

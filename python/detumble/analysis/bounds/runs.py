@@ -61,7 +61,7 @@ def capture_bounds(
     Args:
         trials: the runs; their horizon and change hold here too.
         processes: to share the work; None for one on each processor. The result is the same.
-        progress: called with the number of runs done; an exception that it raises ends the work.
+        progress: called repeatedly with the number of runs done; an exception that it raises ends the work.
 
     Returns:
         (runs,) s: no capture can come earlier (`analysis.bounds.earliest`); inf where none can come at all.

@@ -1,7 +1,7 @@
 """A comparison from its plan to its result: tune, judge on held-out runs, bound, vary the scenario, test, order.
 
 All entries get the same budget, objective, horizon, training starts and seeds of the searches. Each entry is tuned several
-times, since one search may be lucky; the tuning of the least cost on the training starts is judged, and the others show the
+times, since searches scatter; the tuning of the least cost on the training starts is judged, and the others show the
 spread. All that is reported was measured on held-out runs, except the training cost itself.
 """
 
@@ -164,11 +164,11 @@ class _Work:
         found = (
             [_as_given(entry, self.scenario)] if plan.as_given else [self._tuned(entry, k) for k in range(plan.tunings)]
         )
-        chosen = min(range(len(found)), key=lambda place: found[place].cost or 0.0)
+        chosen = min(range(len(found)), key=lambda index: found[index].cost or 0.0)
         runs = self._flown(entry, found[chosen].scenario, plan.runs)
         first = [
-            runs.first(SPREAD) if place == chosen else self._flown(entry, tuning.scenario, min(SPREAD, plan.runs))
-            for place, tuning in enumerate(found)
+            runs.first(SPREAD) if index == chosen else self._flown(entry, tuning.scenario, min(SPREAD, plan.runs))
+            for index, tuning in enumerate(found)
         ]
         tunings = tuple(
             replace(tuning, verdict=Verdict.of(own), score=self._score(own))

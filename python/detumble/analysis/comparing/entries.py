@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 FORMS: tuple[Form, ...] = ("printed", "corrected")
 MOST_CHARACTERS = 60
-"""Longest name that tables and figures have room for."""
+"""Longest name that fits tables and figures."""
 
 
 @dataclass(frozen=True)

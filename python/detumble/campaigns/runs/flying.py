@@ -59,7 +59,7 @@ def fly_runs(
         count: number of runs.
         threads: to use.
         backend: `portable`, `avx2`, `avx512`; None takes the core's choice.
-        progress: called now and then with the number of completed runs; an exception that it raises stops the work.
+        progress: called repeatedly with the number of completed runs; an exception that it raises stops the work.
 
     Raises:
         ScenarioError: the scenario cannot be flown.

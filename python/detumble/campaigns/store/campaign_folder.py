@@ -4,7 +4,7 @@
     shards/shard-000000.parquet ...   shard k holds runs [k n, (k+1) n), n as the recipe says
     .lock                             held by the process that flies
 
-Every file appears whole or not at all, also when power fails. Run i is the same run however many are asked for; so a
+Every file is written whole or not at all, also when power fails. Run i is the same run however many are asked for; so a
 campaign that is continued with more runs grows, and one continued with fewer keeps all it has.
 """
 
@@ -46,7 +46,7 @@ class Store:
 
     Attributes:
         folder: the folder.
-        manifest: what it says of itself.
+        manifest: what is flown, as `campaign.json` has it.
     """
 
     def __init__(self, folder: Path, manifest: Manifest, lock: Lock | None = None) -> None:
@@ -71,10 +71,10 @@ class Store:
             recipe: what is flown.
             runs: how many.
             about: back end and machine, as JSON takes them.
-            resume: continue the campaign if the folder holds it already; what killed writers left is taken away.
+            resume: continue the campaign if the folder holds it already; temporary files of killed processes are removed.
 
         Raises:
-            RequestError: the folder takes no files, holds another campaign, holds this one and `resume` is not set, or
+            RequestError: the folder is not writable, holds another campaign, holds this one and `resume` is not set, or
                 another process is flying it.
         """
         folder = named_folder(folder, "folder")
@@ -108,7 +108,7 @@ class Store:
         return self.manifest.runs
 
     def close(self) -> None:
-        """Let other processes fly the campaign."""
+        """Release the lock of the folder."""
         if self._lock:
             self._lock.close()
 
@@ -121,7 +121,7 @@ class Store:
         self.close()
 
     def path(self, number: int) -> Path:
-        """Say where a shard stands."""
+        """Give the path of a shard."""
         return self.folder / "shards" / f"shard-{number:06}.parquet"
 
     def flown(self) -> int:
@@ -145,7 +145,7 @@ class Store:
             frame: as `frame_of` makes it, the first runs of the shard in order.
 
         Raises:
-            RequestError: the disk does not take it.
+            RequestError: it cannot be written.
             ValueError: these are not the runs of this shard.
         """
         first = number * self.recipe.shard
@@ -186,7 +186,7 @@ class Store:
         Args:
             number: of the shard.
             needed: rows that are asked for.
-            remark: is told of a shard that is damaged.
+            remark: called with a message about a damaged shard.
             all_rows: give those beyond what is asked for too.
 
         Returns:
@@ -246,7 +246,7 @@ def _begun(folder: Path, recipe: Recipe, runs: int, about: dict[str, Any], resum
         raise RequestError(f"{shards}: not empty, but there is no {MANIFEST} that says what it holds")
     try:
         shards.mkdir(exist_ok=True)
-        # we hold the lock: whoever wrote these is gone
+        # this process holds the lock: the writers of these have ended
         for leftover in (*leftovers(folder, MANIFEST), *leftovers(shards, "shard-*.parquet")):
             leftover.unlink()
     except OSError as error:
@@ -263,7 +263,7 @@ def _begun(folder: Path, recipe: Recipe, runs: int, about: dict[str, Any], resum
 
 
 def _write(path: Path, content: bytes) -> None:
-    """Write a file, whole or not at all, so that it outlasts a loss of power."""
+    """Write a file, whole or not at all, and flush it to the disk."""
     with whole_file(path) as temporary, temporary.open("wb") as file:
         file.write(content)
         file.flush()

@@ -158,7 +158,7 @@ def decode(raw: bytes, campaign: str, number: int, first: int) -> pl.DataFrame:
     check_polars()
     start = len(raw) - _footer_length(raw[-_END:], len(raw))
     label = _label(raw[start:], campaign, number)
-    # before polars reads it: some flipped bits make its reader abort the whole process
+    # before polars reads it: some flipped bits make its reader abort the process
     if label["checksum"].encode()[-128:-64] != _hash(raw[:start]):
         raise Damage("its bytes are not those that were written")
     frame = pl.read_parquet(raw)

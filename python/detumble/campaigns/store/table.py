@@ -38,17 +38,17 @@ class Runs:
     """
 
     def __init__(self, store: Store, runs: int | None = None) -> None:
-        self._store = store  # while that lives, a temporary folder does
+        self._store = store  # keeps a temporary folder alive
         self._recipe = store.recipe
         self._runs = store.runs if runs is None else runs
         self._paths = [store.path(number) for number in range(self._recipe.shards(self._runs))]
         faults = {number: fault for number in range(len(self._paths)) if (fault := self._fault(number))}
         if faults:
             whole = min(faults) * self._recipe.shard
-            told = [f"shard {number} {fault}" for number, fault in list(faults.items())[:3]]
-            told += [f"and {len(faults) - 3} more shards"] if len(faults) > 3 else []
+            listed = [f"shard {number} {fault}" for number, fault in list(faults.items())[:3]]
+            listed += [f"and {len(faults) - 3} more shards"] if len(faults) > 3 else []
             raise RequestError(
-                f"{store.folder}: of {self._runs} runs only the first {whole} can be read: {', '.join(told)}; "
+                f"{store.folder}: of {self._runs} runs only the first {whole} can be read: {', '.join(listed)}; "
                 "--resume flies what is missing"
             )
 
