@@ -67,9 +67,9 @@ class Recipe:
         """Give the recipe as JSON takes it."""
         return asdict(self)
 
-    def runs_of(self, number: int, runs: int) -> range:
+    def runs_of(self, index: int, runs: int) -> range:
         """Give the indices of the runs in a shard, in a campaign of `runs` runs."""
-        return range(number * self.shard, min((number + 1) * self.shard, runs))
+        return range(index * self.shard, min((index + 1) * self.shard, runs))
 
     def shards(self, runs: int) -> int:
         """Count the shards that hold `runs` runs."""

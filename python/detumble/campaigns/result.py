@@ -71,8 +71,8 @@ def read_campaign(folder: str | os.PathLike[str]) -> CampaignResult:
     """
     store = Store.open(folder)
     statistics = Statistics.of(store.recipe.parsed)
-    for number in range(store.recipe.shards(store.runs)):
-        rows = store.find(number, 1, lambda _: None, all_rows=True)
+    for index in range(store.recipe.shards(store.runs)):
+        rows = store.find(index, 1, lambda _: None, all_rows=True)
         if rows is None:
             break
         statistics.add(rows)

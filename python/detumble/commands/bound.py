@@ -124,6 +124,6 @@ def _table(path: Path, times: Array, states: dict[str, Array], held: str, contro
     columns = {"time_s": times}
     for name, values in (states | {held: np.vstack((control, np.full((1, 3), np.nan)))}).items():
         axes = "xyz" if values.shape[1] == 3 else "wxyz"
-        columns |= {f"{name}.{axis}": values[:, number] for number, axis in enumerate(axes)}
+        columns |= {f"{name}.{axis}": values[:, index] for index, axis in enumerate(axes)}
     write_text(path, pl.DataFrame(columns).fill_nan(None).write_csv())
     return path

@@ -23,7 +23,7 @@ from detumble.show.axes import (
     set_symlog_beyond,
     time_panels,
 )
-from detumble.show.series import Span, capture_times, flown, spans, thinned, until_capture
+from detumble.show.series import Span, capture_times, recorded_length, spans, thinned, until_capture
 from detumble.show.style import AXIS_LOOKS, look
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def chaser_rate(flights: Mapping[str, Flight]) -> Figure:
 
 def debris_rate(flights: Mapping[str, Flight]) -> Figure:
     """Figure 4: angular velocity of the debris in its body axes; torque-free, so the same whoever chases it."""
-    last = max(flights.values(), key=lambda flight: (flight.metrics.capture_time or math.inf, flown(flight)))
+    last = max(flights.values(), key=lambda flight: (flight.metrics.capture_time or math.inf, recorded_length(flight)))
     shown = approach_spans(flights)[-1:]
     shown = [Span(shown[0].end, "torque-free: the same under every law until it captures")]
     figure, panels = time_panels(shown, ["debris rate (body axes) [rad/s]"], (WIDTH, 4.2), right=1.75)
@@ -99,13 +99,13 @@ def attitude_error(flights: Mapping[str, Flight]) -> Figure:
 
 
 def force_x(flights: Mapping[str, Flight]) -> Figure:
-    """Figure 6: radial force flown, with its saturation; a row for each law, since commands chatter over each other."""
+    """Figure 6: radial force given, with its saturation; a row for each law, since commands chatter over each other."""
     limit = _first_axis(first(flights).scenario.actuators.force_limit)
     return _command(flights, "force", limit, "Fx", "N", "radial force Fx, LVLH axes")
 
 
 def torque_x(flights: Mapping[str, Flight]) -> Figure:
-    """Figure 7: torque flown about the body x axis, with its saturation; a row for each law."""
+    """Figure 7: torque applied about the body x axis, with its saturation; a row for each law."""
     limit = _first_axis(first(flights).scenario.actuators.torque_limit)
     return _command(flights, "torque", limit, "τx", "N m", "torque τx, body axes")
 
@@ -113,7 +113,7 @@ def torque_x(flights: Mapping[str, Flight]) -> Figure:
 def approach_spans(flights: Mapping[str, Flight]) -> list[Span]:
     """Choose the spans of time that show how every law comes to its capture."""
     times = capture_times(flights)
-    return spans(list(times.values()), max(flown(flight) for flight in flights.values()), "whole approach")
+    return spans(list(times.values()), max(recorded_length(flight) for flight in flights.values()), "whole approach")
 
 
 def first(flights: Mapping[str, Flight]) -> Flight:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from detumble.show.axes import TIME_LABEL, plot_level, reach, set_symlog_beyond
-from detumble.show.series import Array, flown, merged, round_up, thinned, whole
+from detumble.show.series import Array, merged, recorded_length, round_up, thinned, whole
 from detumble.show.style import AXIS_LOOKS, LIMIT, heading, look, new_figure
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def plot_flight(flight: Flight) -> Figure:
 
 def shown_until(flight: Flight) -> float:
     """Choose the end of the time axis, s: all of the flight, unless it settled long before its end."""
-    length = flown(flight) or flight.scenario.time.duration
+    length = recorded_length(flight) or flight.scenario.time.duration
     settled = flight.event("settled")
     if settled is None or flight.law == "none":
         return length
@@ -161,6 +161,6 @@ def _subtitle(flight: Flight, end: float) -> str:
         parts.append(f"broken off at {flight.events[-1].time:.4g} s: no gains")
     if metrics.delta_v is not None and metrics.delta_v < 1e6:
         parts.append(f"Δv {metrics.delta_v:.3f} m/s")
-    if end < flown(flight):
-        parts.append(f"flight of {flown(flight):g} s, shown to {end:g} s")
+    if end < recorded_length(flight):
+        parts.append(f"flight of {recorded_length(flight):g} s, shown to {end:g} s")
     return "   ·   ".join(parts)

@@ -146,7 +146,7 @@ def capture_times(flights: Mapping[str, Flight]) -> dict[str, float | None]:
     return {law: flight.metrics.capture_time for law, flight in flights.items()}
 
 
-def flown(flight: Flight) -> float:
+def recorded_length(flight: Flight) -> float:
     """Length of what was recorded, s."""
     time = flight.history["time"]
     return float(time[-1]) if len(time) else 0.0

@@ -10,7 +10,7 @@ import numpy as np
 
 from detumble.show.approach import WIDTH, first
 from detumble.show.axes import law_legend, plot_level, plot_line, said, time_panels
-from detumble.show.series import LARGEST, Array, after_capture, flown, merged, spans
+from detumble.show.series import LARGEST, Array, after_capture, merged, recorded_length, spans
 from detumble.show.style import look
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def stack_after_capture(flights: Mapping[str, Flight]) -> Figure:
     """Figure 8: rate and pointing error of the stack against LVLH since capture, with thresholds and settling times."""
     settled = first(flights).scenario.settled
     stacks = {law: flight for law, flight in flights.items() if merged(flight)}
-    left = [flown(flight) - (flight.metrics.capture_time or 0.0) for flight in stacks.values()]
+    left = [recorded_length(flight) - (flight.metrics.capture_time or 0.0) for flight in stacks.values()]
     shown = spans([flight.metrics.settling_time for flight in stacks.values()], max(left, default=1.0), "whole")
     labels = ["stack rate relative to LVLH [rad/s]", "pointing error against LVLH [°]"]
     figure, panels = time_panels(shown, labels, (WIDTH, 6.6), "time since capture [s]")

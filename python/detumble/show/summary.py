@@ -22,7 +22,7 @@ from detumble.show.series import (
     Span,
     after_capture,
     capture_times,
-    flown,
+    recorded_length,
     round_up,
     until_capture,
 )
@@ -170,7 +170,7 @@ def _path(axes: Axes, law: str, across: Array, up: Array, **changes: Any) -> Non
 def _approach(axes: Axes, flights: Mapping[str, Flight], name: str, scale: float) -> None:
     """A series until capture over the logarithm of time."""
     times = [time for time in capture_times(flights).values() if time]
-    last = max(flown(flight) for flight in flights.values())
+    last = max(recorded_length(flight) for flight in flights.values())
     last = last if len(times) < len(flights) or not times else min(last, round_up(1.2 * max(times)))
     start = min(1.0, 0.1 * min(times, default=10.0))
     set_log_time(axes, start, max(last, 10.0 * start))

@@ -81,7 +81,7 @@ def rank(scores: Sequence[Sequence[Score]], distinct: Callable[[int, int], bool]
         above[one, other] = max(scores[one]) < min(scores[other]) and distinct(one, other)
     for middle in range(count):  # transitive closure (Warshall)
         above |= np.outer(above[:, middle], above[middle])
-    ranks = tuple(int(number) + 1 for number in above.sum(axis=0))
+    ranks = tuple(int(count) + 1 for count in above.sum(axis=0))
     return Ranking(above, ranks, _letters(above, ranks))
 
 

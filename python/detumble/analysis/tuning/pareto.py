@@ -190,15 +190,15 @@ def _order(weights: int) -> Sequence[float]:
 def _sweep(search: Search, weights: Sequence[float]) -> None:
     """Search by one weight after another; the first ones get what is left of a budget that cannot be shared evenly."""
     least, left = divmod(search.setting.budget - 1, len(weights))
-    for number, weight in enumerate(weights):
+    for index, weight in enumerate(weights):
         costs = search.outcomes[:, :2]
         measure = _measure(costs, search.ceilings, weight)
         minimise(
             lambda points, measure=measure: measure(search(points)[:, :2]),  # type: ignore[misc]  # binds this one
             search.points[int(np.argmin(measure(costs)))],
-            least + (number < left),
-            search.setting.optimiser_seed + number,
-            step=STEP if number == 0 else NEAR,
+            least + (index < left),
+            search.setting.optimiser_seed + index,
+            step=STEP if index == 0 else NEAR,
         )
 
 

@@ -107,7 +107,7 @@ class Prefixes:
         """
         count = len(self._ends)
         chosen = np.unique(np.geomspace(1, count, PREFIXES).round().astype(int)) - 1 if count else ()
-        points = sorted({*self._opening, *(self._ends[number] for number in chosen)})
+        points = sorted({*self._opening, *(self._ends[index] for index in chosen)})
         runs, successes = np.array(points, np.int64).reshape(-1, 2).T
         return Convergence(runs, successes / runs, *clopper_pearson(successes, runs, self.confidence))
 

@@ -102,12 +102,12 @@ def edges(values: Array) -> tuple[Array, bool]:
         low, high = least, most
     decades = 0.0 < DECADES_FROM * low < high
     share = max(math.sqrt(AIM / len(values)), 0.8 / MOST_BINS)
-    count = 2 * max(1, int(0.8 / share))  # of an even spread, two each are merged whatever the dice
+    count = 2 * max(1, int(0.8 / share))  # of an even spread, two each are merged whatever the draws
     even = np.geomspace(low, high, count + 1) if decades else np.linspace(low, high, count + 1)
     filled = np.bincount(_bins(values, even), minlength=count)
     kept, held = [float(even[0])], 0
-    for number, edge in zip(filled, even[1:], strict=True):
-        held += int(number)
+    for runs, edge in zip(filled, even[1:], strict=True):
+        held += int(runs)
         if held >= share * len(values):
             kept.append(float(edge))
             held = 0
@@ -137,7 +137,7 @@ def cells(
 
 
 def _bins(values: Array, bounds: Array) -> NDArray[np.int64]:
-    """Number of the bin of each value; what lies beyond goes to the outermost."""
+    """Index of the bin of each value; what lies beyond goes to the outermost."""
     return np.searchsorted(bounds[1:-1], values, side="right")
 
 

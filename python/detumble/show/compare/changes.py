@@ -28,7 +28,7 @@ class SweepCurves:
     """What every entry gives along one sweep.
 
     Attributes:
-        label: of the number that is changed, with its unit.
+        label: of the value that is changed, with its unit.
         own: the scenario's own value.
         values: (m,) that were flown.
         decades: count decades along the axis.
@@ -53,10 +53,10 @@ def plot_changes(sheet: Sheet, sweeps: Sequence[SweepCurves]) -> Figure:
         sheet: headline and entries.
         sweeps: at least one.
     """
-    flown = counted(sweeps[0].runs, "run")
+    runs = counted(sweeps[0].runs, "run")
     figure = sheet.page(
         *SIZE,
-        f"the first {flown}, one number changed at a time, nothing tuned anew   ·   dashed: as the scenario has it",
+        f"the first {runs}, one value changed at a time, nothing tuned anew   ·   dashed: as the scenario has it",
     )
     panels = figure.subplots(2, len(sweeps), sharex="col", sharey="row", squeeze=False)
     any_time = False

@@ -63,11 +63,11 @@ def looks_of(entries: Sequence[tuple[str, str, str]]) -> list[EntryLook]:
     met: dict[tuple[str, str], int] = {}
     found = []
     for name, law, form in entries:
-        number = met[law, form] = met.get((law, form), -1) + 1
+        index = met[law, form] = met.get((law, form), -1) + 1
         style, dashes = look(law), DASHES[form]
         fill = style.colour if form == "printed" else "white"
         label = shortened(name, NAME)
-        found.append(EntryLook(label, style.colour, dashes[min(number, len(dashes) - 1)], style.marker, fill))
+        found.append(EntryLook(label, style.colour, dashes[min(index, len(dashes) - 1)], style.marker, fill))
     return found
 
 
