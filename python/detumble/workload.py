@@ -36,12 +36,12 @@ def random_starts(count: int, seed: int = 0) -> NDArray[np.float64]:
     Returns:
         Position, velocity, chaser attitude, chaser rate, debris attitude, debris rate: shape (count, 20).
     """
-    dice = np.random.default_rng(seed)
+    generator = np.random.default_rng(seed)
     starts = np.zeros((count, 20))
-    starts[:, 0:3] = dice.uniform(-2.0, 2.0, (count, 3))
-    starts[:, 6:10] = _directions(dice, count, 4)
-    starts[:, 13:17] = _directions(dice, count, 4)
-    starts[:, 17:20] = _directions(dice, count, 3) * dice.uniform(0.0, 0.1, (count, 1))
+    starts[:, 0:3] = generator.uniform(-2.0, 2.0, (count, 3))
+    starts[:, 6:10] = _directions(generator, count, 4)
+    starts[:, 13:17] = _directions(generator, count, 4)
+    starts[:, 17:20] = _directions(generator, count, 3) * generator.uniform(0.0, 0.1, (count, 1))
     return starts
 
 
@@ -66,7 +66,7 @@ def start_columns(starts: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]
     }
 
 
-def _directions(dice: np.random.Generator, count: int, size: int) -> NDArray[np.float64]:
-    normals = dice.standard_normal((count, size))
+def _directions(generator: np.random.Generator, count: int, size: int) -> NDArray[np.float64]:
+    normals = generator.standard_normal((count, size))
     unit: NDArray[np.float64] = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     return unit

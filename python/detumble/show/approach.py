@@ -1,7 +1,7 @@
-"""Figures 1 to 7 of the paper: the approach under each law, until it captures.
+"""Figures 1 to 7 of the paper: the approach under each law, until capture.
 
-Captures lie far apart, so where it helps the early part stands beside the whole. Lines go on thin and pale after capture
-where the law then flies the stack; figures 3 and 5 end there, as the paper's do.
+Capture times differ widely, so an early part is shown beside the whole where that helps. Lines are thin and pale after
+capture, where the law controls the stack; figures 3 and 5 end there, as the paper's do.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def chaser_rate(flights: Mapping[str, Flight]) -> Figure:
 
 
 def debris_rate(flights: Mapping[str, Flight]) -> Figure:
-    """Figure 4: angular velocity of the debris in its body axes; torque-free, so the same whoever chases it."""
+    """Figure 4: angular velocity of the debris in its body axes; torque-free, so the same under every law."""
     last = max(flights.values(), key=lambda flight: (flight.metrics.capture_time or math.inf, recorded_length(flight)))
     shown = approach_spans(flights)[-1:]
     shown = [Span(shown[0].end, "torque-free: the same under every law until it captures")]
@@ -111,7 +111,7 @@ def torque_x(flights: Mapping[str, Flight]) -> Figure:
 
 
 def approach_spans(flights: Mapping[str, Flight]) -> list[Span]:
-    """Choose the spans of time that show how every law comes to its capture."""
+    """Choose the spans of time that show every law's approach to its capture."""
     times = capture_times(flights)
     return spans(list(times.values()), max(recorded_length(flight) for flight in flights.values()), "whole approach")
 

@@ -1,4 +1,4 @@
-"""Pieces that several figures are made of: rows of panels over time, lines of all laws, captures, limits, legends."""
+"""Elements of several figures: rows of panels over time, lines of all laws, captures, limits, legends."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def time_panels(
         labels: what each row shows, with its unit.
         size: width and height, inches.
         time_label: below the lowest row.
-        above, right: margins, inches; above, the legend stands.
+        above, right: margins, inches; the legend is above the panels.
 
     Returns:
         The figure, and its panels by row and column.
@@ -159,13 +159,13 @@ def plot_level(axes: Axes, values: Sequence[float], text: str = "", *, above: bo
 
 
 def law_legend(figure: Figure, flights: Mapping[str, Flight], ends: Mapping[str, str], title: str = "") -> None:
-    """Put one legend for all panels on top: each law's look, and what `ends` says of it.
+    """Put one legend for all panels on top: each law's look and its text in `ends`.
 
     Args:
         figure: where.
         flights: by law.
         ends: by law, like `captured at 7.6 s`.
-        title: what the words in `ends` are.
+        title: of the legend: what the texts in `ends` are.
     """
     from matplotlib.lines import Line2D
 
@@ -193,12 +193,12 @@ def law_legend(figure: Figure, flights: Mapping[str, Flight], ends: Mapping[str,
 
 
 def captured_at(flights: Mapping[str, Flight]) -> dict[str, str]:
-    """Say of each law when it captured."""
-    return {law: said(flight.metrics.capture_time, flight) for law, flight in flights.items()}
+    """Write the capture time of each law."""
+    return {law: time_text(flight.metrics.capture_time, flight) for law, flight in flights.items()}
 
 
-def said(time: float | None, flight: Flight) -> str:
-    """Say a time for a legend, or what happened instead."""
+def time_text(time: float | None, flight: Flight) -> str:
+    """Write a time for a legend, or what happened instead."""
     if time is not None:
         return f"{time:.1f} s"
     return "diverged" if flight.diverged else "–"

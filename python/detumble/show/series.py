@@ -21,7 +21,7 @@ LARGEST = 1e100
 
 _BEFORE_MERGE = ("position", "velocity", "chaser_attitude", "chaser_rate", "debris_attitude", "debris_rate")
 _HELD = ("force", "force_command", "torque", "torque_command")
-"""Held over the period that follows: the one at capture is already the stack's."""
+"""Held over the period that follows: the value at capture is already the stack's."""
 _JUDGED = {"distance": "capture_distance", "angle_error": "capture_angle", "rate_error": "capture_rate"}
 _JUDGED |= {"speed_error": "capture_speed"}
 

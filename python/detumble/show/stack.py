@@ -1,4 +1,4 @@
-"""Figure 8: what becomes of the stack after capture, which the paper claims and does not show."""
+"""Figure 8: rates and pointing of the stack after capture, which the paper describes and does not show."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from detumble.show.approach import WIDTH, first
-from detumble.show.axes import law_legend, plot_level, plot_line, said, time_panels
+from detumble.show.axes import law_legend, plot_level, plot_line, time_panels, time_text
 from detumble.show.series import LARGEST, Array, after_capture, merged, recorded_length, spans
 from detumble.show.style import look
 
@@ -41,7 +41,7 @@ def stack_after_capture(flights: Mapping[str, Flight]) -> Figure:
                 _mark_settling(axes, law, flight, since, scale * values, span.end)
             plot_level(axes, [level], text if axes is row[-1] else "")
         _set_log_scale(row[0], level, [scale * after_capture(flight, name)[1] for flight in stacks.values()])
-    ends = {law: said(flight.metrics.settling_time, flight) for law, flight in flights.items()}
+    ends = {law: time_text(flight.metrics.settling_time, flight) for law, flight in flights.items()}
     law_legend(figure, flights, ends, "law, settled after capture within")
     return figure
 

@@ -1,4 +1,4 @@
-"""How pictures look: one colour, line and marker for each law everywhere, and the settings all figures share.
+"""Looks of pictures: one colour, line and marker for each law everywhere, and the settings that all figures share.
 
 Colours are those of Okabe & Ito (2008), which stay apart for every common colour blindness; laws also differ by their
 dashes and markers, for print in grey. Settings hold within `styled()` only, and figures are made without pyplot.
@@ -97,22 +97,22 @@ def look(law: str) -> Look:
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Plot with detumble's settings, whatever the user's own are; they are back afterwards."""
+    """Plot with detumble's settings, whatever the user's own are, which are restored afterwards."""
     load_matplotlib()
     import matplotlib.style
 
     with warnings.catch_warnings(), matplotlib.style.context(["default", _SETTINGS]):
-        if matplotlib_setup.own_process:  # what a library remarks of an odd picture says nothing to who runs a command
+        if matplotlib_setup.own_process:  # a library's warnings about a picture do not help a user of the command line
             warnings.simplefilter("ignore")
         yield
 
 
 def new_figure(width: float, height: float, layout: Literal["constrained"] | None = "constrained") -> Figure:
-    """Make an empty figure that belongs to nobody else.
+    """Make an empty figure.
 
     Args:
         width, height: inches.
-        layout: who finds the margins; None where they are set.
+        layout: method that finds the margins; None where they are set.
     """
     from matplotlib.figure import Figure
 

@@ -1,4 +1,4 @@
-"""How many runs succeeded, and what the others failed of."""
+"""Shares of successful runs and of each cause of failure."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from detumble.show.campaign.frame import PLAIN, QUIET, Caption, counted, page, percent, say
+from detumble.show.campaign.frame import PLAIN, QUIET, Caption, counted, page, percent, show_message
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,7 +35,7 @@ def plot_failures(success: Proportion, causes: Mapping[str, Proportion], caption
     _bars(above, ["success"], [success], caption.colour, 1.0)
     above.set_xlim(0.0, 1.0)
     if not causes:
-        say(below, f"no failure in {counted(success.runs, 'run')}: its probability is below {_bound(success)}")
+        show_message(below, f"no failure in {counted(success.runs, 'run')}: its probability is below {_bound(success)}")
         return figure
     _bars(below, names, list(causes.values()), PLAIN, max(found.high for found in causes.values()))
     below.set_title("failures by cause (own scale)", color=QUIET)
@@ -44,7 +44,7 @@ def plot_failures(success: Proportion, causes: Mapping[str, Proportion], caption
 
 
 def _bars(axes: Axes, names: list[str], found: list[Proportion], colour: str, most: float) -> None:
-    """Plot shares with their whiskers; the numbers stand to the right, where no bar comes."""
+    """Plot shares with their whiskers; the numbers are to the right of the panel."""
     for row, one in enumerate(found):
         axes.barh(row, one.share, height=0.6, color=colour, zorder=2.0)
         axes.plot([one.low, one.high], [row, row], "|-", color="black", markersize=8.0, linewidth=1.1, zorder=2.5)

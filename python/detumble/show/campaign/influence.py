@@ -1,4 +1,4 @@
-"""Which dispersed parameters failures and capture times go back to."""
+"""Sensitivity of failures and capture times to the dispersed parameters."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from detumble.show.campaign.frame import PLAIN, QUIET, Caption, counted, page, say
+from detumble.show.campaign.frame import PLAIN, QUIET, Caption, counted, page, show_message
 from detumble.show.style import LIMIT, shortened
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def plot_sensitivity(outcomes: Sequence[Sensitivity], caption: Caption) -> Figur
         title = f"{TITLES.get(outcome.outcome, outcome.outcome)}, from {counted(outcome.runs, 'run')}"
         axes.set_title(title, color=QUIET)
         if outcome.silence or not outcome.influences:
-            say(axes, outcome.silence or "no parameter varies")
+            show_message(axes, outcome.silence or "no parameter varies")
         else:
             _bars(axes, outcome, fields, caption.colour)
             _set_rows(axes, fields, named=not named)

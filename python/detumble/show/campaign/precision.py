@@ -1,4 +1,4 @@
-"""How well the probability of success was known as the runs came in."""
+"""Convergence of the probability of success with the number of runs."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from detumble.intervals import Proportion
 from detumble.show.axes import plot_level
-from detumble.show.campaign.frame import QUIET, Caption, counted, page, percent, say
+from detumble.show.campaign.frame import QUIET, Caption, counted, page, percent, show_message
 from detumble.show.style import LIMIT
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def plot_convergence(curve: Convergence, caption: Caption, target: float | None 
     figure = page(caption, 9.5, 6.2)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.5, 1.0])
     if not len(curve.runs):
-        say(above, "no runs yet")
+        show_message(above, "no runs yet")
         below.set_axis_off()
         return figure
     _estimate(above, curve, caption)

@@ -1,4 +1,4 @@
-"""Where in the plane of two drawn parameters the runs succeed, and how well each cell is known."""
+"""Probability of success over two drawn parameters, with the interval of each cell."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def edges(values: Array) -> tuple[Array, bool]:
         if held >= share * len(values):
             kept.append(float(edge))
             held = 0
-    kept[max(len(kept) - 1, 1) :] = [float(even[-1])]  # a rest goes to the bin before it
+    kept[max(len(kept) - 1, 1) :] = [float(even[-1])]  # a remainder is merged into the bin before it
     return np.array(kept), decades
 
 

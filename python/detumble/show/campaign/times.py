@@ -1,4 +1,4 @@
-"""How soon the runs of a campaign capture, and how many never do: one law, or several side by side."""
+"""Distribution of the capture times of a campaign, with the share that never captures: one law, or several."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ SIZE = (11.0, 5.0)
 MARKED = (0.5, 0.95)
 """Shares of all runs whose times are marked."""
 SPREAD = 20.0
-"""Times that lie this many times apart are shown in decades."""
+"""Times whose ratio exceeds this are shown in decades."""
 _ROW = 0.22
 """Height of a row of the table, inches."""
 _COLUMNS = (0.11, 0.2, 0.312, 0.395, 0.595, 0.707, 0.79)
@@ -54,7 +54,7 @@ def plot_capture_times(captured: Mapping[str, Ecdf], settled: Mapping[str, Ecdf]
 
 
 def time_of(curve: Ecdf, share: float) -> float | None:
-    """Give the time, s, by which a share of all runs got there; None if fewer ever did."""
+    """Give the time, s, by which a share of all runs had the event; None if fewer ever had it."""
     place = int(np.searchsorted(curve.fraction, share - 1e-12))
     return float(curve.values[place]) if place < len(curve.values) else None
 
@@ -133,7 +133,7 @@ def _never(curve: Ecdf, runs: int) -> int:
 
 
 def _table(figure: Figure, captured: Mapping[str, Ecdf], settled: Mapping[str, Ecdf], runs: int) -> None:
-    """What the curves say in numbers, a row for each law; the name stands beside its line."""
+    """What the curves show_message in numbers, a row for each law; the name stands beside its line."""
     from matplotlib.lines import Line2D
 
     height = figure.get_figheight()
@@ -152,7 +152,7 @@ def _table(figure: Figure, captured: Mapping[str, Ecdf], settled: Mapping[str, E
         )  # fmt: skip
         figure.add_artist(sample)
         figure.text(columns[0], at, style.label, va="center", fontweight="bold", color=style.colour, parse_math=False)
-        words = _said(captured[law], runs) + (_said(settled[law], runs) if law in settled else [])
+        words = _texts(captured[law], runs) + (_texts(settled[law], runs) if law in settled else [])
         for column, word in zip(columns[1:], words, strict=False):
             figure.text(column, at, word, va="center", fontsize=9.0)
 
@@ -162,7 +162,7 @@ def _heads(event: str) -> list[str]:
     return [f"{event}: {first}", *others, "never (95 % interval)"]
 
 
-def _said(curve: Ecdf, runs: int) -> list[str]:
+def _texts(curve: Ecdf, runs: int) -> list[str]:
     times = [time_of(curve, share) for share in MARKED]
     never = percent(Proportion.of(_never(curve, runs), runs))
     return [*("not reached" if time is None else f"{time:.1f} s" for time in times), never]

@@ -1,4 +1,4 @@
-"""What the flights of a campaign look like over time: median, band and extremes of those still under way."""
+"""Quantities of a campaign's flights over time: median, band and extremes of the flights still under way."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the pictures of a comparison have in common: how entries look, the headline, the legend."""
+"""Common parts of the pictures of a comparison: looks of the entries, headline, legend."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ DASHES: dict[str, tuple[Dashes, ...]] = {
 }
 """By form: of the first entry of a law, the second, and all others."""
 NAME = 26
-"""Most characters of the name of an entry; five columns of a legend have room for those of a law and its form."""
+"""Most characters of the name of an entry; five columns of a legend fit the name of a law and its form."""
 _ROW = 0.2
 """Height of a row of the legend, inches."""
 

@@ -1,4 +1,4 @@
-"""Every entry against every other on common runs: by how much, how surely, and who ranks above whom."""
+"""Every entry against every other on common runs: difference, significance, and order."""
 
 from __future__ import annotations
 
