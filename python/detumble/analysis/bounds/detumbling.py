@@ -30,7 +30,6 @@ capture that is off in the right direction needs less.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -40,11 +39,8 @@ import numpy as np
 
 from detumble.analysis.bounds.pursuit import Pursuit, start_of
 from detumble.analysis.bounds.tumble import tumble
-from detumble.analysis.bounds.turn import Agility
+from detumble.analysis.bounds.turn import CORNERS, REGULARISATION, Agility
 from detumble.quaternions import Array, conjugate, multiply, rotate, rotation_angle
-
-CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
-REGULARISATION = 1e-12  # added to acceleration and growth, so that neither is zero; the bound stays a bound
 
 
 @dataclass(frozen=True)
@@ -125,9 +121,8 @@ def _lower(case: Mapping[str, Any], pursuit: Pursuit, rates: Array, left: Array,
             math.sqrt(moments[0]) * least,
             np.sqrt(np.einsum("ti,ij,tj->t", rates, stack, rates)) - math.sqrt(moments[2]) * around,
         )
-        turning = most + pursuit.mean_motion, slowest + pursuit.mean_motion
-        times = _quickest(stack[None], pursuit.torque, momentum, energy, slowest, still_left, turning)
-        return float(times.min())
+        captured = _Stack(stack[None], momentum, energy, most, still_left)
+        return float(_quickest(pursuit, captured, slowest).min())
     if not math.isfinite(pursuit.speed):
         return 0.0
     chaser = np.linalg.eigvalsh(pursuit.chaser_inertia)
@@ -158,33 +153,34 @@ def _matched(
         momentum = momentum + mass * np.cross(arm, across)
     spin = np.linalg.solve(inertia, momentum[:, :, None])[..., 0]
     energy = np.sqrt((spin * momentum).sum(axis=1))
-    turning = np.linalg.norm(spin, axis=1) + pursuit.mean_motion, slowest + pursuit.mean_motion
-    times = _quickest(inertia, pursuit.torque, np.linalg.norm(momentum, axis=1), energy, slowest, left, turning)
-    return float(times.min())
+    captured = _Stack(inertia, np.linalg.norm(momentum, axis=1), energy, np.linalg.norm(spin, axis=1), left)
+    return float(_quickest(pursuit, captured, slowest).min())
 
 
-def _quickest(
-    inertia: Array,
-    torque: Array,
-    momentum: Array,
-    energy: Array,
-    slowest: float,
-    left: Array,
-    turning: tuple[Array, float],
-) -> Array:
-    """Lower bounds (n,) of the time to settle.
+@dataclass(frozen=True)
+class _Stack:
+    """A stack at n possible captures.
 
-    Args:
+    Attributes:
         inertia: (n, 3, 3) kg m², or one for all.
-        torque: (3,) limits, N m.
         momentum: (n,) |h| or less, N m s.
         energy: (n,) √(wᵀ I w) or less.
-        slowest: |w| allowed at the end, rad/s.
+        rate: (n,) |w| or more, rad/s.
         left: (n,) rad still to be turned against H, or less.
-        turning: rad/s against H, or more, at first (n,) and at the end.
     """
+
+    inertia: Array
+    momentum: Array
+    energy: Array
+    rate: Array
+    left: Array
+
+
+def _quickest(pursuit: Pursuit, stack: _Stack, slowest: float) -> Array:
+    """Lower bounds (n,) of the time to settle, s, down to |w| ≤ slowest, rad/s."""
+    torque, inertia, left = pursuit.torque, stack.inertia, stack.left
     if not np.isfinite(torque).all():
-        return np.zeros(len(momentum))
+        return np.zeros(len(left))
     moments = np.linalg.eigvalsh(inertia)
     j1, j2, j3 = moments.T
     corners = CORNERS * torque
@@ -192,15 +188,15 @@ def _quickest(
     direct = np.linalg.norm(spun, axis=1).max(axis=1) + REGULARISATION
     product = np.abs((j1 - j2) * (j2 - j3) * (j3 - j1)) / (j1 * j2 * j3)
     growth = product / (3.0 * math.sqrt(3.0)) + REGULARISATION
-    by_momentum = (momentum - j3 * slowest) / np.linalg.norm(torque)
-    by_energy = (energy - np.sqrt(j3) * slowest) / np.sqrt(np.einsum("ci,nic->nc", corners, spun).max(axis=1))
+    by_momentum = (stack.momentum - j3 * slowest) / np.linalg.norm(torque)
+    by_energy = (stack.energy - np.sqrt(j3) * slowest) / np.sqrt(np.einsum("ci,nic->nc", corners, spun).max(axis=1))
     scale, pace = np.sqrt(direct / growth), np.sqrt(direct * growth)
-    first, last = ((rate / scale) ** 2 for rate in turning)
+    first, last = (((rate + pursuit.mean_motion) / scale) ** 2 for rate in (stack.rate, slowest))
     # p²/r², written without the difference of numbers near 1
     peak = np.expm1(0.5 * (np.log1p(first) + np.log1p(last)) + growth * np.maximum(0.0, left))
     turned = (2.0 * np.arctan(np.sqrt(peak)) - np.arctan(np.sqrt(first)) - np.arctan(np.sqrt(last))) / pace
     counts = (left > 0.0) & (peak > np.maximum(first, last))
-    least: Array = np.maximum.reduce((by_momentum, by_energy, np.where(counts, turned, 0.0), np.zeros(len(momentum))))
+    least: Array = np.maximum.reduce((by_momentum, by_energy, np.where(counts, turned, 0.0), np.zeros(len(left))))
     return least
 
 

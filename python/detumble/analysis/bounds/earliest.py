@@ -140,12 +140,7 @@ class _Chase:
 
     def _close(self, ticks: int) -> None:
         """Judge the attitude of all ticks up to this one."""
-        pursuit, first = self.pursuit, len(self.closed)
-        attitudes, rates = self._tumble(ticks)
-        shut = excluded(
-            pursuit.agility, self.attitude, self.rate, attitudes, rates,
-            first=first, period=pursuit.period, angle=pursuit.angle, rate_error=pursuit.rate,
-        )  # fmt: skip
+        shut = excluded(self.pursuit, self.attitude, self.rate, *self._tumble(ticks), first=len(self.closed))
         self.closed = np.concatenate((self.closed, shut))
 
     def _approach(self, ticks: int) -> Approach:

@@ -15,7 +15,14 @@ import numpy as np
 
 from detumble.analysis.bounds.attitude import Turn, earliest_attitude, excess
 from detumble.analysis.bounds.chase import MOST_TURN, Motion, chase
-from detumble.analysis.bounds.shooting import KNOTS, SOONEST_INTERVALS, TIMED_INTERVALS, on_time, soonest
+from detumble.analysis.bounds.shooting import (
+    KNOTS,
+    SOONEST_INTERVALS,
+    TIMED_INTERVALS,
+    SlewTask,
+    on_time,
+    soonest,
+)
 from detumble.analysis.bounds.tumble import tumble
 from detumble.quaternions import Array
 
@@ -230,10 +237,8 @@ def _within(pursuit: Pursuit, turn: Turn, limit: Array, tick: int, window: int) 
     for motion in chases:
         guess = motion.resampled(durations)
         for margin in MARGINS:
-            thresholds = pursuit.angle * (1.0 - margin), pursuit.rate * (1.0 - margin)
-            guess, widened = on_time(
-                pursuit.chaser_inertia, limit, *thresholds, durations, (ahead[0][ends], ahead[1][ends]), judged, guess
-            )
+            task = _task(pursuit, limit, margin)
+            guess, widened = on_time(task, durations, (ahead[0][ends], ahead[1][ends]), judged, guess)
             if widened > WIDENED:
                 break
             slew = integrated(guess.torque, counts)
@@ -263,8 +268,7 @@ def _soonest(pursuit: Pursuit, start: Array, lower: float) -> Slew | None:
         tumbling = _tumble(pursuit, turn, horizon / (KNOTS - 1), KNOTS - 1)
         found = guess.resampled(np.full(SOONEST_INTERVALS, guess.time / SOONEST_INTERVALS))
         for margin in MARGINS:
-            angle, rate = pursuit.angle * (1.0 - margin), pursuit.rate * (1.0 - margin)
-            found = soonest(pursuit.chaser_inertia, limit, angle, rate, horizon, tumbling, found)
+            found = soonest(_task(pursuit, limit, margin), horizon, tumbling, found)
             slew, over = _integrated(pursuit, turn, found)
             best = _sooner(best, slew, over)
             if not 1.0 <= over < NEARLY:
@@ -291,6 +295,11 @@ def _first_guesses(pursuit: Pursuit, turn: Turn, limit: Array, least: float) -> 
         if steps == 4 * CHASE_LONGEST:
             break
     return near if limit.any() else []
+
+
+def _task(pursuit: Pursuit, limit: Array, margin: float) -> SlewTask:
+    """The task of a programme with thresholds tightened by a share."""
+    return SlewTask(pursuit.chaser_inertia, limit, pursuit.angle * (1.0 - margin), pursuit.rate * (1.0 - margin))
 
 
 def _sooner(best: Slew | None, slew: Slew, over: float) -> Slew | None:
