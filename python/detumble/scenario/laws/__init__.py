@@ -14,6 +14,7 @@ from detumble.scenario.laws.open_loop import OpenLoop, Segment
 from detumble.scenario.laws.pd import Pd
 from detumble.scenario.laws.prrl import Prrl
 from detumble.scenario.laws.sosmc import Sosmc
+from detumble.scenario.laws.stsmc import Stsmc
 from detumble.scenario.laws.tsmc import Tsmc
 from detumble.scenario.reflection import section_of
 from detumble.scenario.section import Section
@@ -52,6 +53,7 @@ class Laws(Section):
     sosmc: Sosmc | None = None
     tsmc: Tsmc | None = None
     prrl: Prrl | None = None
+    stsmc: Stsmc | None = None
     none: OpenLoop | None = None
 
     @property

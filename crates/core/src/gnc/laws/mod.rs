@@ -16,6 +16,7 @@ pub mod recipe;
 pub mod riccati;
 pub mod sliding;
 pub mod sosmc;
+pub mod stsmc;
 pub mod surface;
 pub mod tsmc;
 

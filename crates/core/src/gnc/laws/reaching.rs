@@ -4,6 +4,7 @@
 //! constant plus proportional   ṡ = -K sat(s/φ) - α s                              0 ≤ α
 //! power rate                   ṡ = -K |s|^α sat(s/φ)                              0 < α < 1, as printed
 //!                              ṡ = -K max(|s|, φ)^α sat(s/φ)                      the same outside the layer
+//! super-twisting               ṡ = -k1 |s|^½ sgn s + v,  v̇ = -k2 sgn s            v is remembered
 //! ```
 //!
 //! K in s-units per second (power rate: to the power 1-α), φ in s-units. Times from s0 down to the layer |s| = φ:
@@ -15,15 +16,29 @@
 //! ```
 //!
 //! Inside the layer the printed power rate is (K/φ) |s|^(1+α): slower than exponential. With max(|s|, φ) it is
-//! exponential, with rate K φ^(α-1). Source: Gao & Hung 1993; Eng. Proc. 2026, 121(1), 25, §3.3–3.5.
+//! exponential, with rate K φ^(α-1). Super-twisting reaches s = ṡ = 0 in finite time, whatever disturbance of slope below L
+//! acts, with k1 = 1.5 √L and k2 = 1.1 L; v grows by an explicit step a control period, so that s stays within a band that
+//! shrinks with the square of the period. Source: Gao & Hung 1993; Eng. Proc. 2026, 121(1), 25, §3.3–3.5; Levant 1998 and
+//! Moreno & Osorio 2012 for super-twisting.
 
 use super::{ChannelMemory, Form};
+use crate::batch::lanes_differ;
 use crate::number::{Real, Vec3};
 use crate::{batch_enum, batch_struct};
 
-batch_struct! {
+batch_enum! {
     /// A reaching law.
-    pub struct Reaching<R> {
+    pub enum Reaching<R> {
+        /// Of first order, with a boundary layer.
+        Layered(Layered<R>),
+        /// Of second order.
+        SuperTwisting(SuperTwisting<R>),
+    }
+}
+
+batch_struct! {
+    /// A reaching law of first order.
+    pub struct Layered<R> {
         /// K
         pub gain: Vec3<R>,
         /// φ
@@ -35,8 +50,18 @@ batch_struct! {
     }
 }
 
+batch_struct! {
+    /// Gains of super-twisting.
+    pub struct SuperTwisting<R> {
+        /// k1 \[s-units^½ per s\]
+        pub k1: Vec3<R>,
+        /// k2 \[s-units per s²\]
+        pub k2: Vec3<R>,
+    }
+}
+
 batch_enum! {
-    /// What distinguishes one reaching law from another.
+    /// What distinguishes one reaching law of first order from another.
     pub enum Shape<R> {
         /// ṡ = -K sat(s/φ) - α s; constant rate where α = 0.
         Proportional(Proportional<R>),
@@ -64,21 +89,41 @@ batch_struct! {
 }
 
 impl Reaching<f64> {
-    /// From gain K, layer φ and shape.
+    /// Of first order, from gain K, layer φ and shape.
     pub fn new(gain: Vec3<f64>, layer: Vec3<f64>, shape: Shape<f64>) -> Self {
-        Self { gain, layer, inverse_layer: Vec3([1.0; 3]) / layer, shape }
+        Self::Layered(Layered { gain, layer, inverse_layer: Vec3([1.0; 3]) / layer, shape })
     }
 }
 
 impl<R: Real> Reaching<R> {
-    /// What it remembers when a flight begins.
+    /// What it remembers when a flight begins: v = 0.
     pub(super) fn begin(&self) -> ChannelMemory<R> {
-        ChannelMemory::None(())
+        match self {
+            Reaching::Layered(_) => ChannelMemory::None(()),
+            Reaching::SuperTwisting(_) => ChannelMemory::Integral(Vec3::zero()),
+        }
     }
 
     /// ṡ demanded.
     #[inline(always)]
-    pub fn step(&self, _memory: &mut ChannelMemory<R>, s: Vec3<R>, _period: R) -> Vec3<R> {
+    pub fn step(&self, memory: &mut ChannelMemory<R>, s: Vec3<R>, period: R) -> Vec3<R> {
+        match (self, memory) {
+            (Reaching::Layered(layered), _) => layered.rate(s),
+            (Reaching::SuperTwisting(SuperTwisting { k1, k2 }), ChannelMemory::Integral(v)) => {
+                let ([x, y, z], sign) = (s.abs().0, s.signum0());
+                let root = Vec3([x.sqrt(), y.sqrt(), z.sqrt()]);
+                let rate = *v - *k1 * root * sign;
+                *v -= *k2 * sign * period;
+                rate
+            }
+            (Reaching::SuperTwisting(_), ChannelMemory::None(())) => lanes_differ(),
+        }
+    }
+}
+
+impl<R: Real> Layered<R> {
+    #[inline(always)]
+    fn rate(&self, s: Vec3<R>) -> Vec3<R> {
         let toward = self.gain * (s * self.inverse_layer).clamp_unit();
         match &self.shape {
             Shape::Proportional(Proportional { proportional }) => -(toward + *proportional * s),

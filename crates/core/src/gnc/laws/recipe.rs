@@ -1,6 +1,6 @@
 //! Laws as a scenario gives them: kind, form, gains before and after capture; and the register of all laws.
 
-use super::{AttitudeError, Channel, Form, Law, MassProperties, Phase, SurfaceRate, lqr, pd, prrl, sosmc, tsmc};
+use super::{AttitudeError, Channel, Form, Law, MassProperties, Phase, SurfaceRate, lqr, pd, prrl, sosmc, stsmc, tsmc};
 use crate::batch::Fields;
 use crate::number::Vec3;
 use crate::plant::wrench::WrenchFrame;
@@ -157,6 +157,8 @@ laws! {
     Tsmc(tsmc::Gains) => tsmc::channels,
     /// Power rate reaching law sliding mode.
     Prrl(prrl::Gains) => prrl::channels,
+    /// Super-twisting sliding mode.
+    Stsmc(stsmc::Gains) => stsmc::channels,
 }
 
 impl LawRecipe {

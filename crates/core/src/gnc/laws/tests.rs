@@ -1,4 +1,4 @@
-//! Known answers of the five laws. The numbers are worked out by hand, step by step in the comments, from the law table of
+//! Known answers of the laws. The numbers are worked out by hand, step by step in the comments, from the law table of
 //! SPEC, with errors chosen so that each step is short.
 
 use super::*;
@@ -217,6 +217,43 @@ fn tsmc_has_its_known_answers() {
     let [got_force, got_torque] = command(&law(0.6), Phase::BeforeCapture, &SETTING, &error);
     assert_near(&got_force, &force, 1e-14);
     assert_near(&got_torque, &torque, 1e-15);
+}
+
+#[test]
+fn stsmc_has_its_known_answers_and_learns() {
+    let gains = |slope, k1, k2| stsmc::Gains { slope, k1: Vec3(k1), k2: Vec3(k2) };
+    let translation = gains(Vec3([0.05, 0.1, 0.6]), [0.1, 0.2, 0.5], [0.01, 0.02, 0.05]);
+    let rotation = gains(Vec3([0.4, 0.1, 0.21]), [0.2, 0.1, 0.05], [0.1, 0.2, 0.3]);
+    let mut gains = both(Form::Printed, translation, rotation);
+    gains.form = None;
+    let law = LawRecipe::Stsmc(gains).build(Phase::BeforeCapture, &BEFORE, &SETTING).unwrap();
+    // ε and e_r chosen so that the roots are exact: translation s = (0.02 + 0.02, -0.01 + 0.02, 0.03 + 0.06) = (0.04, 0.01, 0.09),
+    // √|s| = (0.2, 0.1, 0.3): ṡ = -(0.02, 0.02, 0.15), less Λ e_v = (0.001, -0.001, 0.018).
+    let mut error = error_with([0.05, 0.0, 0.0]);
+    error.position = Vec3([0.4, 0.2, 0.1]);
+    let force = times(sum([-0.021, -0.019, -0.168], MINUS_NATURAL, 1.0), 9.0);
+    // Rotation: s = (0.02 + 0.02, -0.04, 0.1) = (0.04, -0.04, 0.1), √|s| = (0.2, 0.2, 0.316 227 766):
+    // ṡ = (-0.04, 0.02, -0.015 811 388). With q0 = √(1 - 0.0025) = 0.998 749 218:
+    // ε' = (q0 e_ω + ε × e_ω)/2 = (0.009 987 492, -0.022 474 984, 0.048 937 461), Λ ε' = (0.003 994 997, -0.002 247 498, 0.010 276 867).
+    // I a with a = (-0.043 994 997, 0.022 247 498, -0.026 088 255): (-0.004 177 025, 0.002 229 750, -0.001 304 413).
+    let torque = sum([-0.004177025, 0.002229750, -0.001304413], GYROSCOPIC, 1.0);
+    let mut memory = law.begin();
+    let estimate = Estimate { motion: motion() };
+    let input = LawInput {
+        seen: Seen { estimate: &estimate, error },
+        mean_motion: SETTING.mean_motion,
+        feedforward: None,
+        attitude_error: SETTING.attitude_error,
+        period: 0.5,
+    };
+    let first = law.step(&mut memory, input);
+    assert_near(&first.force.0, &force, 1e-15);
+    assert_near(&first.torque.0, &torque, 1e-9);
+    // The second time v = -k2 T sgn s: (-0.005, -0.01, -0.025) in translation, (-0.05, 0.1, -0.15) in rotation.
+    let second = law.step(&mut memory, input);
+    assert_near(&second.force.0, &sum(force, times([-0.005, -0.01, -0.025], 9.0), 1.0), 1e-15);
+    let turned = BEFORE.inertia * Vec3([-0.05, 0.1, -0.15]);
+    assert_near(&second.torque.0, &sum(torque, turned.0, 1.0), 1e-9);
 }
 
 fn prrl_law(form: Form) -> LawRecipe {

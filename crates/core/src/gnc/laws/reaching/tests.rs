@@ -113,3 +113,111 @@ fn power_rate_is_slow_inside_the_layer_as_printed_and_exponential_as_corrected()
     let next = time_between(&law(1.0, 0.01, power(0.7, Form::Corrected)), 0.001, 0.0001);
     assert_near(&[next], &[corrected], 1e-5);
 }
+
+/// L of the disturbances that super-twisting is tested against.
+const SLOPE: f64 = 0.2;
+
+fn super_twisting() -> Reaching<f64> {
+    let (k1, k2) = (1.5 * SLOPE.sqrt(), 1.1 * SLOPE);
+    Reaching::SuperTwisting(SuperTwisting { k1: Vec3([k1; 3]), k2: Vec3([k2; 3]) })
+}
+
+/// A constant, a ramp of the largest slope, and one that turns: d(t) [s-units per s] and slopes of at most L.
+fn disturbances(t: f64) -> Vec3<f64> {
+    Vec3([0.3, SLOPE * t, (SLOPE * t).sin()])
+}
+
+/// ṡ = u + d with u held over the period, from s0 for 40 s; d through its mean over the period, which is exact.
+/// Gives the last time at which |s| was over `band` on each axis, largest |s| after 30 s, and v + d at the end.
+fn reached(period: f64, band: f64) -> (Vec3<f64>, Vec3<f64>, Vec3<f64>) {
+    let (law, start) = (super_twisting(), Vec3([0.5, -0.4, 0.3]));
+    let (mut memory, mut s) = (law.begin(), start);
+    let (mut last, mut largest) = (Vec3::zero(), Vec3::zero());
+    let steps = (40.0 / period).round() as u32;
+    for k in 0..steps {
+        let t = f64::from(k) * period;
+        let mean = (disturbances(t) + disturbances(t + 0.5 * period) * 4.0 + disturbances(t + period)) * (1.0 / 6.0);
+        s = s + (law.step(&mut memory, s, period) + mean) * period;
+        for i in 0..3 {
+            if s[i].abs() > band {
+                last.0[i] = t + period;
+            }
+            if t > 30.0 {
+                largest.0[i] = f64::max(largest[i], s[i].abs());
+            }
+        }
+    }
+    let ChannelMemory::Integral(v) = memory else { panic!("super-twisting has an integral") };
+    (last, largest, v + disturbances(40.0))
+}
+
+/// The same system without sampling, s and v through RK4 at 0.1 ms: the last time at which |s| was over `band`.
+fn reached_finely(axis: usize, band: f64) -> f64 {
+    let (k1, k2) = (1.5 * SLOPE.sqrt(), 1.1 * SLOPE);
+    let rate = |t: f64, [s, v]: [f64; 2]| {
+        let sign = if s > 0.0 {
+            1.0
+        } else if s < 0.0 {
+            -1.0
+        } else {
+            0.0
+        };
+        [-k1 * s.abs().sqrt() * sign + v + disturbances(t)[axis], -k2 * sign]
+    };
+    let (mut y, mut last, h) = ([[0.5, -0.4, 0.3][axis], 0.0], 0.0, 1e-4);
+    for k in 0..400_000 {
+        let t = f64::from(k) * h;
+        let ahead = |y: [f64; 2], k: [f64; 2], h: f64| [y[0] + h * k[0], y[1] + h * k[1]];
+        let a = rate(t, y);
+        let b = rate(t + 0.5 * h, ahead(y, a, 0.5 * h));
+        let c = rate(t + 0.5 * h, ahead(y, b, 0.5 * h));
+        let d = rate(t + h, ahead(y, c, h));
+        y = ahead(y, [0, 1].map(|i| a[i] + 2.0 * (b[i] + c[i]) + d[i]), h / 6.0);
+        if y[0].abs() > band {
+            last = t + h;
+        }
+    }
+    last
+}
+
+#[test]
+fn super_twisting_reaches_the_surface_in_finite_time_under_disturbances_of_bounded_slope() {
+    let band = 1e-4;
+    let (last, largest, left) = reached(1e-3, band);
+    for axis in 0..3 {
+        let fine = reached_finely(axis, band);
+        println!(
+            "axis {axis}: reached after {:.3} s, finely {fine:.3} s; then |s| < {:.1e}",
+            last[axis], largest[axis]
+        );
+        assert!((last[axis] - fine).abs() < 0.02 * fine, "axis {axis}: {} against {fine}", last[axis]);
+        assert!(left[axis].abs() < 2e-3, "v has learnt the disturbance: {}", left[axis]);
+    }
+    assert!(last.max_component() < 30.0, "before the band was measured");
+}
+
+#[test]
+fn the_band_of_super_twisting_shrinks_with_the_square_of_the_period() {
+    for period in [0.08, 0.04, 0.02, 0.01, 0.005] {
+        let widest = reached(period, 1.0).1.max_component();
+        println!("super-twisting: period {period}, band {:.2} L T²", widest / (SLOPE * period * period));
+        assert!(widest < 8.0 * SLOPE * period * period, "{period}: {widest}");
+    }
+}
+
+#[test]
+fn an_integral_is_held_on_saturated_axes_and_begins_anew_at_capture() {
+    let law = super_twisting();
+    let mut memory = law.begin();
+    law.step(&mut memory, Vec3([1.0, -1.0, 1.0]), 0.5);
+    let before = memory;
+    law.step(&mut memory, Vec3([1.0, -1.0, 1.0]), 0.5);
+    memory.hold(&[true, false, false], &before);
+    let ChannelMemory::Integral(v) = memory else { panic!("super-twisting has an integral") };
+    let step = 1.1 * SLOPE * 0.5;
+    assert_near(&v.0, &[-step, 2.0 * step, -2.0 * step], 1e-15);
+    memory.reset(false);
+    assert_eq!(memory, ChannelMemory::Integral(v));
+    memory.reset(true);
+    assert_eq!(memory, ChannelMemory::Integral(Vec3::zero()));
+}
