@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from detumble.scenario.quantity import Quantity, Vector
+from detumble.scenario.quantity import Quantity, Switch, Vector
 from detumble.scenario.rules import Place, Rule
 from detumble.scenario.section import Section
 
@@ -38,6 +38,9 @@ class ConstantLoads(Section):
 class Disturbances(Section):
     """What acts on chaser, debris and stack besides the actuators. No law is told of it."""
 
+    gravity_gradient: Switch = Field(
+        False, description="torque 3 n^2 u x (I u) on chaser, debris and stack, u from the planet to the orbit"
+    )
     constant: ConstantLoads | None = None
 
     @property

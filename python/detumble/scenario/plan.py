@@ -44,6 +44,7 @@ PLAN: Table = {
     "plan.saturation": (_word("actuators.saturation"),),
     "plan.attitude_error": (_word("laws.attitude_error"),),
     "plan.surface_rate": (_word("laws.surface_rate"),),
+    "plan.disturbances.gravity_gradient": (_word("disturbances.gravity_gradient"),),
     "plan.disturbances.constant": (
         constant("none", ("disturbances.constant", None)),
         _word("disturbances.constant.axes"),

@@ -2,6 +2,7 @@
 
 use crate::batch_struct;
 use crate::number::{Real, Vec3};
+use core::ops::Add;
 
 batch_struct! {
     /// A force \[N\] and a torque \[N m\].
@@ -18,6 +19,15 @@ impl<R: Real> Wrench<R> {
     #[inline(always)]
     pub fn zero() -> Self {
         Self { force: Vec3::zero(), torque: Vec3::zero() }
+    }
+}
+
+impl<R: Real> Add for Wrench<R> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self { force: self.force + other.force, torque: self.torque + other.torque }
     }
 }
 

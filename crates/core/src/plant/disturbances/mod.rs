@@ -4,8 +4,10 @@
 //! both, each at the centre of mass and in the axes of the body that it began on.
 
 pub mod constant;
+pub mod gravity_gradient;
 
 use self::constant::{Constant, ConstantLoad, LoadAxes};
+use self::gravity_gradient::GravityGradient;
 use super::lvlh::Lvlh;
 use super::wrench::Wrench;
 use crate::case_struct;
@@ -18,6 +20,8 @@ use crate::part::Part;
 pub struct Acting {
     /// The axes in which loads are constant.
     pub constant: LoadAxes,
+    /// The gravity gradient.
+    pub gravity_gradient: bool,
 }
 
 impl Acting {
@@ -78,7 +82,8 @@ impl Disturbances<f64> {
 impl<R: Real> Disturbances<R> {
     /// The wrench on a body, its own axes.
     pub fn on(&self, acting: Acting, body: &Exposed<'_, R>) -> Wrench<R> {
-        self.loads(acting, body)
+        let loads = self.loads(acting, body);
+        if acting.gravity_gradient { loads + GravityGradient.step(&mut (), body) } else { loads }
     }
 
     /// The part of it that stays with the body when it is joined to another.

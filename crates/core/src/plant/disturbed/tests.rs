@@ -29,7 +29,7 @@ impl Setting {
             debris: Inertia::new(random.inertia(0.05)),
             joint: Joint::open(),
             disturbances: Disturbances::none(),
-            acting: Acting { constant: LoadAxes::Lvlh },
+            acting: Acting { constant: LoadAxes::Lvlh, gravity_gradient: false },
             wrench: Wrench::zero(),
             frame: WrenchFrame::Command,
         }
@@ -159,7 +159,7 @@ fn disturbed_motion_converges_with_fourth_order() {
     for axes in [LoadAxes::Body, LoadAxes::Lvlh] {
         let mut random = Random::new(25);
         let mut setting = Setting::new(&mut random);
-        setting.acting.constant = axes;
+        setting.acting = Acting { constant: axes, gravity_gradient: true };
         setting.disturbances.constant = Constant {
             chaser_force: random.vector(0.05),
             chaser_torque: random.vector(5e-3),
