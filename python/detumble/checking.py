@@ -1,4 +1,4 @@
-"""Checks of arguments: what counts as a number, in every public call and every scenario field.
+"""Checks of the arguments of public calls and scenario fields.
 
 Python's and numpy's numbers count, decimals too, and arrays and sequences of them, xarray's and pandas' own among them. Booleans,
 text, bytes, times and numbers that carry another unit do not.

@@ -1,4 +1,4 @@
-"""Where the command line begins. It imports next to nothing: Ctrl-C is quiet from here on, whatever is being imported."""
+"""Entry point of the command line. It imports almost nothing, so that Ctrl-C during the imports ends without a traceback."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The way to the compiled core: says what to do where it is missing, and which back ends there are."""
+"""Access to the compiled core: its import, its back ends, and a check of a law's gains."""
 
 from __future__ import annotations
 
@@ -71,17 +71,17 @@ def checked_backend(name: str | None) -> str | None:
     return name
 
 
-def check_gains(title: str, numbers: dict[str, Any]) -> None:
+def check_gains(title: str, core_case: dict[str, Any]) -> None:
     """Make sure that the core finds the gains of a law, before any work is begun.
 
     Args:
         title: of the scenario.
-        numbers: as `scenario.core.case` gives them.
+        core_case: as `scenario.core.case` gives it.
 
     Raises:
         ScenarioError: it does not.
     """
     try:
-        core().fly_many(numbers, {}, 0)  # no flight
+        core().fly_many(core_case, {}, 0)  # no flight
     except ValueError as error:
         raise ScenarioError(title, problem=str(error)) from None

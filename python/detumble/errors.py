@@ -1,4 +1,4 @@
-"""What a person did that cannot be done: every such mistake ends in one of these, never in a traceback."""
+"""Errors of requests that cannot be carried out: a user's mistake ends in one of these, never in a traceback."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One flight: what happened, tick by tick, what it amounts to, and how to fly it again."""
+"""One flight: its history tick by tick, its metrics and events, and what is needed to fly it again."""
 
 from __future__ import annotations
 
@@ -54,13 +54,13 @@ class Flight:
         scenario: what was flown; a copy that later edits do not reach.
         law: name of the law, `none` for open loop.
         seed: of the sensor noise.
-        index: number of the trajectory under that seed.
+        index: of the trajectory under that seed.
         backend: which build of the core flew it.
         history: time series by name, one row a tick: (N+1,), (N+1, 3) or (N+1, 4), SI. A flight that diverged ends at the
             last finite row, one whose law has no gains at the tick at which it would command: nothing is commanded there.
-        metrics: what it amounts to.
+        metrics: scalars of the flight.
         events: in order of time.
-        warnings: what a reader of the numbers ought to know.
+        warnings: sentences about what limits the validity of the flight.
     """
 
     scenario: Scenario = field(repr=False)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _MOST_DIGITS = 20
 """Of the number of a process, which is all that a lock file holds."""
 _ATTEMPTS = 10
-"""To lock a file that others take away meanwhile."""
+"""To lock a file that other processes remove meanwhile."""
 
 
 class Lock:
@@ -25,10 +25,10 @@ class Lock:
 
     Args:
         folder: that is worked in.
-        doing: what that process does, for whoever comes second: `flying this campaign`.
+        doing: what that process does, for the message of a second process: `flying this campaign`.
 
     Raises:
-        RequestError: another process holds it, or the folder takes no files.
+        RequestError: another process holds it, or the folder is not writable.
     """
 
     def __init__(self, folder: Path, doing: str) -> None:
@@ -46,7 +46,7 @@ class Lock:
             with suppress(FileNotFoundError):
                 if os.path.samestat(os.fstat(descriptor), self._path.lstat()):
                     break
-            self._file.close()  # another process has just taken this one away
+            self._file.close()  # another process has just removed this file
         else:
             raise RequestError(f"{folder}: other processes are {doing}")
         with suppress(OSError):
@@ -67,10 +67,10 @@ class Lock:
         return descriptor
 
     def close(self, *, forget: bool = False) -> None:
-        """Let others in.
+        """Release the lock.
 
         Args:
-            forget: take the file away if it was made here: nothing was done in the folder.
+            forget: remove the file if it was made here: nothing was done in the folder.
         """
         if forget and self._made:
             with suppress(OSError):
@@ -79,7 +79,7 @@ class Lock:
 
 
 def locked(descriptor: int) -> bool:
-    """Try to lock; where system or file system know no locks, nothing is locked, and nobody is kept out."""
+    """Try to lock; where the system or file system has no locks, it succeeds without one."""
     try:
         import fcntl
     except ImportError:

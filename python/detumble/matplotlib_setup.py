@@ -1,4 +1,4 @@
-"""Import of matplotlib: no setting of the user's may keep it from being imported, or reach a picture."""
+"""Import of matplotlib, independent of the user's settings where they would make it fail or change a picture."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def load_matplotlib() -> None:
     if not own_process:
         try:
             import matplotlib.style
-        except Exception:  # whatever those settings bring about
+        except Exception:  # whatever error those settings cause
             pass
         else:
             return

@@ -22,7 +22,7 @@ class Watcher:
         """
 
     def now(self, done: int, fresh: int | None = None, found: Any = None) -> None:
-        """Take note of what is done.
+        """Report what is done.
 
         Args:
             done: units, of the total.
@@ -31,4 +31,4 @@ class Watcher:
         """
 
     def remark(self, text: str) -> None:
-        """Take note of something that a person ought to know."""
+        """Report a remark for the user."""

@@ -9,7 +9,7 @@ import numpy as np
 from detumble.errors import RequestError
 from detumble.flight import Flight, read_netcdf
 from detumble.scenario.core import case
-from detumble.simulation import flown
+from detumble.simulation import Setup, fly_case
 
 SENSORS = ("position", "velocity", "attitude", "rate")
 
@@ -34,11 +34,12 @@ def replay_wrench(flight: Flight | str | os.PathLike[str], *, backend: str | Non
     ticks = len(flight.history["time"])
     if not ticks:
         raise RequestError("the flight holds no tick: there is no command to fly")
-    numbers = case(flight.scenario, flight.law)
+    core_case = case(flight.scenario, flight.law)
     wrenches = np.hstack((flight.history["force_command"], flight.history["torque_command"]))
-    segments = numbers["law"].get("segments", [])  # open loop has axes of its own
-    numbers["law"] = {"kind": "recorded", "wrenches": wrenches.tolist(), "segments": segments}
-    numbers["sensors"] = dict.fromkeys(SENSORS, 0.0)
+    segments = core_case["law"].get("segments", [])  # open loop has axes of its own
+    core_case["law"] = {"kind": "recorded", "wrenches": wrenches.tolist(), "segments": segments}
+    core_case["sensors"] = dict.fromkeys(SENSORS, 0.0)
     # the last command of a flight that diverged was flown, that of any other was not
-    numbers["plan"]["periods"] = min(numbers["plan"]["periods"], ticks if flight.diverged else ticks - 1)
-    return flown(flight.scenario, flight.law, flight.seed, flight.index, backend or flight.backend, numbers)
+    core_case["plan"]["periods"] = min(core_case["plan"]["periods"], ticks if flight.diverged else ticks - 1)
+    setup = Setup(flight.scenario, flight.law, flight.seed, flight.index, backend or flight.backend)
+    return fly_case(setup, core_case)

@@ -1,7 +1,7 @@
-"""Folders of results, in which nothing is replaced but what was written there before and has not been changed since.
+"""Folders of results: only files that were written there before, and not changed since, are replaced.
 
 `written.json` keeps a hash of every file that was written. It is written ahead of the file itself, so that a process that is
-killed in between leaves nothing that the next one would not know.
+killed in between leaves no file that is missing in it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from detumble.writing import before_replacing, output_folder, read_bytes, reason
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-LEDGER = "written.json"
+WRITTEN = "written.json"
 """Name of the file that keeps the hashes."""
 _WHAT = "files that detumble wrote here, by the SHA-256 of their content"
 _MOST_BYTES = 2**24
@@ -32,7 +32,7 @@ _MOST_BYTES = 2**24
 def results_folder(
     folder: Path | None, files: Sequence[str], source: str | os.PathLike[str] = "", *, stale: Sequence[str] = ()
 ) -> Iterator[None]:
-    """Work in a folder of results: it is created, kept for this process, and its foreign files are not touched.
+    """Work in a folder of results: it is created and locked, and files of others in it are not changed.
 
     Every file that is written by `detumble.writing` meanwhile, in the folder or beneath, is entered in `written.json`.
 
@@ -40,10 +40,10 @@ def results_folder(
         folder: of the results; None asks for none.
         files: patterns of what will be written, relative to the folder: refused now rather than after long work.
         source: file that the work reads; it is not replaced either.
-        stale: patterns likewise: what was written here before, and is not written now, is taken away when the work is done.
+        stale: patterns likewise: what was written here before, and is not written now, is removed when the work is done.
 
     Raises:
-        RequestError: the folder takes no files, a file of that name stands there that was not written here or was changed
+        RequestError: the folder is not writable, a file of that name stands there that was not written here or was changed
             since, or another process writes here.
     """
     if folder is None:
@@ -54,25 +54,25 @@ def results_folder(
         if _covering(folder) is not None:
             yield
             return
-        with _alone(folder):
-            ledger = _Ledger(folder)
-            tokens = _open.set(ledger), before_replacing.set(ledger.enter)
+        with _exclusively(folder):
+            written = _Written(folder)
+            tokens = _open.set(written), before_replacing.set(written.enter)
             try:
                 yield
-                ledger.take_away(stale)
+                written.remove_stale(stale)
             finally:
                 _open.reset(tokens[0])
                 before_replacing.reset(tokens[1])
 
 
-_open: ContextVar[_Ledger | None] = ContextVar("_open", default=None)
+_open: ContextVar[_Written | None] = ContextVar("_open", default=None)
 """Of the folder that is being worked in."""
 
 
-def _covering(folder: Path) -> _Ledger | None:
-    """Give the ledger that is open, if the folder is its own or lies within."""
-    ledger = _open.get()
-    return ledger if ledger is not None and folder.resolve().is_relative_to(ledger.folder) else None
+def _covering(folder: Path) -> _Written | None:
+    """Give the record that is open, if the folder is its own or lies within."""
+    written = _open.get()
+    return written if written is not None and folder.resolve().is_relative_to(written.folder) else None
 
 
 def refuse_foreign(folder: Path, files: Sequence[str], source: str | os.PathLike[str] = "") -> None:
@@ -91,8 +91,8 @@ def refuse_foreign(folder: Path, files: Sequence[str], source: str | os.PathLike
         for path in there:
             if source and path.samefile(source):
                 raise RequestError(f"{path}: is read here, and would be replaced; choose another folder")
-    ledger = _covering(folder) or _Ledger(folder)
-    foreign = [path for path in there if not ledger.knows(path)]
+    written = _covering(folder) or _Written(folder)
+    foreign = [path for path in there if not written.knows(path)]
     if foreign:
         named = ", ".join(path.relative_to(folder).as_posix() for path in foreign[:3])
         more = f" and {len(foreign) - 3} more" if len(foreign) > 3 else ""
@@ -102,8 +102,8 @@ def refuse_foreign(folder: Path, files: Sequence[str], source: str | os.PathLike
 _FOREIGN = "{}: not written by detumble, or changed since, and would be replaced; move it away or choose another folder"
 
 
-class _Ledger:
-    """What was written into a folder and beneath it.
+class _Written:
+    """Record of the files that were written into a folder and beneath it.
 
     Args:
         folder: the folder.
@@ -112,8 +112,8 @@ class _Ledger:
     def __init__(self, folder: Path) -> None:
         self.folder = folder.resolve()
         self._hashes: dict[str, list[str]] = {}
-        self._written: set[str] = set()
-        path = folder / LEDGER
+        self._written_now: set[str] = set()
+        path = folder / WRITTEN
         if not path.exists() and not path.is_symlink():
             return
         try:
@@ -122,7 +122,7 @@ class _Ledger:
                 raise ValueError
             self._hashes = {str(name): list(map(str, hashes)) for name, hashes in found["files"].items()}
         except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
-            raise RequestError(f"{folder}: {_FOREIGN.format(LEDGER)}") from None
+            raise RequestError(f"{folder}: {_FOREIGN.format(WRITTEN)}") from None
 
     def knows(self, path: Path) -> bool:
         """Tell whether a file is as it was written here."""
@@ -136,12 +136,12 @@ class _Ledger:
             found in other._hashes.get(other._name(path), ()) for other in self._others(path)
         )
 
-    def _others(self, path: Path) -> Iterator[_Ledger]:
-        """Open the ledgers of other folders that a file lies in: pictures of a comparison may have been drawn apart."""
+    def _others(self, path: Path) -> Iterator[_Written]:
+        """Open the records of other folders that a file lies in: pictures of a comparison may have been written separately."""
         for folder in path.resolve().parents:
-            if folder != self.folder and (folder / LEDGER).is_file():
+            if folder != self.folder and (folder / WRITTEN).is_file():
                 with suppress(RequestError):
-                    yield _Ledger(folder)
+                    yield _Written(folder)
 
     def enter(self, path: Path, finished: Path) -> None:
         """Enter a file that is about to be put in place.
@@ -156,23 +156,23 @@ class _Ledger:
         if old and old != [new] and not self.knows(path):
             raise RequestError(f"{self.folder}: {_FOREIGN.format(path.name)}")
         self._hashes[self._name(path)] = sorted({*old, new})
-        self._written.add(self._name(path))
-        temporary = self.folder / f".{LEDGER}.{os.getpid()}"
+        self._written_now.add(self._name(path))
+        temporary = self.folder / f".{WRITTEN}.{os.getpid()}"
         try:
             temporary.write_text(json.dumps({"what": _WHAT, "files": self._hashes}, indent=1) + "\n", encoding="utf-8")
-            temporary.replace(self.folder / LEDGER)
+            temporary.replace(self.folder / WRITTEN)
         finally:
             with suppress(OSError):
                 temporary.unlink()
 
-    def take_away(self, patterns: Sequence[str]) -> None:
+    def remove_stale(self, patterns: Sequence[str]) -> None:
         """Remove what was written here before by these patterns, and not now."""
         for path in {path for pattern in patterns for path in self.folder.glob(pattern)}:
-            if self._name(path) not in self._written and self.knows(path):
+            if self._name(path) not in self._written_now and self.knows(path):
                 try:
                     path.unlink()
                 except OSError as error:
-                    raise RequestError(f"{path}: cannot be taken away: {reason(error)}") from None
+                    raise RequestError(f"{path}: cannot be removed: {reason(error)}") from None
 
     def _name(self, path: Path) -> str:
         found = path.parent.resolve() / path.name
@@ -185,8 +185,8 @@ def _hash(path: Path) -> str:
 
 
 @contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """Keep other processes from writing results here; where folders cannot be locked, nobody is kept out."""
+def _exclusively(folder: Path) -> Iterator[None]:
+    """Keep other processes from writing results here; where folders cannot be locked, they are not kept out."""
     try:
         descriptor = os.open(folder, os.O_RDONLY)
     except PermissionError:  # Windows opens no folder

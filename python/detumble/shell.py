@@ -1,4 +1,4 @@
-"""Between the command line and the shell: Ctrl-C and its like, streams that cannot take what is written, messages, exit codes."""
+"""Interface of the command line to the shell: signals, streams, messages, exit codes."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 PLAIN = {"Δ": "d", "–": "-", "─": "-", "…": "...", "°": "deg", "²": "2", "³": "3", "⁴": "4"}
-"""What stands for a character that a stream's encoding lacks; a question mark for any other."""
+"""Replacement of a character that a stream's encoding lacks; a question mark for any other."""
 
-UNHEARD = ("SOURCE_DATE_EPOCH", "HDF5_DRIVER", "HDF5_VOL_CONNECTOR", "POLARS_PANIC_ON_ERR", "_DETUMBLE_COMPLETE")
-"""Variables by which libraries would write otherwise than the command says, or end the process."""
+IGNORED = ("SOURCE_DATE_EPOCH", "HDF5_DRIVER", "HDF5_VOL_CONNECTOR", "POLARS_PANIC_ON_ERR", "_DETUMBLE_COMPLETE")
+"""Environment variables that would make libraries write other files than asked for, or end the process."""
 WIDTH = "TERMINAL_WIDTH"
 """Of the help, in characters."""
 TRACEBACK = "DETUMBLE_TRACEBACK"
@@ -31,12 +31,12 @@ TRACEBACK = "DETUMBLE_TRACEBACK"
 _ENDING = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGUSR1", "SIGUSR2", "SIGXCPU", "SIGALRM")
 ENDING = [getattr(signal, name) for name in _ENDING if hasattr(signal, name)]
 """Ctrl-C, the end of a job or of the machine, the end of a terminal, and what schedulers send before they kill a job."""
-UNTOUCHED = (signal.default_int_handler, signal.SIG_DFL)
-"""What is done on these where nobody has asked for anything else."""
+DEFAULT_HANDLERS = (signal.default_int_handler, signal.SIG_DFL)
+"""Handlers of these signals that no user has replaced."""
 
 
 def run() -> None:
-    """Run the command line and leave; a mistake of the user's, or a stream that is full, ends in one message.
+    """Run the command line and exit; a user's mistake, or a stream that cannot be written, ends in one message.
 
     Raises:
         SystemExit: always, with the exit code.
@@ -55,7 +55,7 @@ def run() -> None:
                 print(end="", flush=True)
     except RequestError as error:
         _leave(2, str(error))
-    except BrokenPipeError:  # whoever reads has seen enough
+    except BrokenPipeError:  # the reader has closed the pipe
         _leave(1)
     except OSError as error:
         _leave(1, f"{error.filename or 'standard output'}: cannot be written: {reason(error)}")
@@ -73,7 +73,7 @@ def run() -> None:
 
 
 def _settle_environment() -> None:
-    for name in UNHEARD:
+    for name in IGNORED:
         os.environ.pop(name, None)
     width = os.environ.get(WIDTH, "80")
     if not (width.isascii() and width.isdecimal() and 0 < len(width) < 5):
@@ -88,9 +88,9 @@ def _leave(code: int, message: str = "") -> None:
 
 
 def _open_closed_streams() -> None:
-    """Put in the place of closed streams what takes their numbers: a file opened later would be written or read in theirs.
+    """Replace closed streams, so that no file opened later gets their descriptors.
 
-    On standard output every write fails, as on the closed one; standard error takes remarks, and leaves them unsaid.
+    On standard output every write fails, as on the closed one; on standard error it is discarded.
     """
     for number, (name, mode) in enumerate((("stdin", "r"), ("stdout", "w"), ("stderr", "w"))):
         if getattr(sys, name) is None:
@@ -105,7 +105,7 @@ def _open_closed_streams() -> None:
 
 
 def _keep_readable() -> None:
-    """Let no character stop the output: what a stream's encoding lacks is written plainly."""
+    """Replace characters that a stream's encoding lacks, instead of failing."""
     codecs.register_error("plain", _plainly)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
@@ -119,32 +119,34 @@ def _plainly(error: UnicodeError) -> tuple[str, int]:
 
 
 def _discard_unwritten() -> None:
-    """Let what a stream cannot take go nowhere: the interpreter would try again at its end, and complain."""
+    """Discard what a stream cannot write: the interpreter would try again at its exit, and report an error."""
     for stream in filter(None, (sys.__stdout__, sys.__stderr__)):
         try:
             stream.flush()
         except OSError:
-            nowhere = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(nowhere, stream.fileno())
-            os.close(nowhere)
+            null = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(null, stream.fileno())
+            os.close(null)
 
 
 @contextmanager
 def _interruptible() -> Iterator[None]:
-    """On a signal that asks for an end, end quietly and orderly with exit code 128 + its number; on a second one at once.
+    """On a terminating signal, exit orderly with code 128 + its number; on a second one, at once.
 
-    That it came is remembered: during an import a library may swallow the exception, or make an ImportError of it.
+    The signal is recorded: during an import a library may suppress the exception, or turn it into an ImportError.
     """
-    heard = 0
-    # one that is ignored stays so: under nohup, or in the background of a script
-    before = {number: found for number in ENDING if (found := signal.getsignal(number)) in UNTOUCHED}
+    received = 0
+    # one that is ignored stays ignored: under nohup, or in the background of a script
+    before = {number: found for number in ENDING if (found := signal.getsignal(number)) in DEFAULT_HANDLERS}
 
     def end(number: int, _: object) -> None:
-        nonlocal heard
-        heard = number
+        nonlocal received
+        received = number
         for each in before:
             signal.signal(each, signal.SIG_DFL)
-        sys.unraisablehook = lambda _: None  # met within a callback that can raise nothing, it would be printed
+        sys.unraisablehook = lambda _: (
+            None
+        )  # raised within a callback that cannot propagate it, the exit would be printed
         sys.exit(128 + number)
 
     for number in before:
@@ -153,7 +155,7 @@ def _interruptible() -> Iterator[None]:
         yield
     finally:
         for number, found in before.items():
-            atexit.register(signal.signal, number, signal.SIG_DFL)  # nothing that is left to do can be interrupted
+            atexit.register(signal.signal, number, signal.SIG_DFL)  # the rest of the exit cannot be interrupted
             signal.signal(number, found)
-        if heard:
-            raise SystemExit(128 + heard) from None
+        if received:
+            raise SystemExit(128 + received) from None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from detumble.checking import MOST_SEED, whole
@@ -44,7 +45,7 @@ def simulate(
         scenario: a scenario, or what `load` takes.
         law: one of `LAWS`, or `none` for open loop; None is the only one with gains here, else `prrl`.
         seed: of the sensor noise, 0 to 2^64 - 1.
-        index: number of the trajectory under that seed: each has its own noise.
+        index: of the trajectory under that seed: each has its own noise.
         backend: `portable`, `avx2`, `avx512`; None takes the core's choice. Noise does not depend on it.
 
     Returns:
@@ -57,62 +58,63 @@ def simulate(
     scenario = given(scenario)
     law = scenario.laws.default if law is None else law
     seed, index = whole("seed", seed, 0, MOST_SEED), whole("index", index, 0, MOST_SEED)
-    return flown(scenario, law, seed, index, backend, case(scenario, law))
+    return fly_case(Setup(scenario, law, seed, index, backend), case(scenario, law))
 
 
-def flown(
-    scenario: Scenario,
-    law: str,
-    seed: int,
-    index: int,
-    backend: str | None,
-    numbers: dict[str, Any],
-    differing: list[str] | None = None,
-) -> Flight:
-    """Fly the core's numbers of a scenario once.
+@dataclass(frozen=True)
+class Setup:
+    """What one flight is flown with.
+
+    Attributes:
+        scenario: nominal case, as the flight reports it.
+        law: one of `LAWS`, or `none`.
+        seed: of the sensor noise.
+        index: of the trajectory under that seed.
+        backend: of the core; None takes the core's choice.
+    """
+
+    scenario: Scenario
+    law: str
+    seed: int
+    index: int
+    backend: str | None
+
+
+def fly_case(setup: Setup, core_case: dict[str, Any], differing: list[str] | None = None) -> Flight:
+    """Fly a case of the core once.
 
     Args:
-        scenario: what the flight will tell that it flew.
-        law: its law.
-        seed: of the sensor noise.
-        index: number of the trajectory under that seed.
-        backend: as in `simulate`.
-        numbers: as `case` gives them.
-        differing: paths of the numbers in which flights of its campaign differ.
+        setup: of the flight.
+        core_case: as `case` gives it.
+        differing: paths in which the flights of its campaign differ.
 
     Raises:
         ScenarioError: the scenario cannot be flown.
         RequestError: there is no such back end.
     """
-    checked = checked_backend(backend)
+    scenario, law, backend = setup.scenario, setup.law, checked_backend(setup.backend)
     try:
-        record = core().fly(numbers, seed=seed, index=index, backend=checked, differing=differing)
+        record = core().fly(core_case, seed=setup.seed, index=setup.index, backend=backend, differing=differing)
     except ValueError as error:
         raise ScenarioError(scenario.title, problem=str(error)) from None
     metrics = Metrics.from_summary(record["summary"])
-    step = numbers["plan"]["control_period"] / numbers["plan"]["steps_per_period"]
+    step = core_case["plan"]["control_period"] / core_case["plan"]["steps_per_period"]
     events = _events(metrics, record, step)
-    remarks = (
-        *_warnings(
-            metrics,
-            events,
-            scenario,
-            law,
-            record["summary"]["end_time"],
-            _fast_turn(metrics, record, numbers, scenario),
-        ),
-        *_far(record, scenario),
-    )
+    fast_turn = _fast_turn(metrics, record, core_case, scenario)
     return Flight(
         scenario=scenario,
         law=law,
-        seed=seed,
-        index=index,
+        seed=setup.seed,
+        index=setup.index,
         backend=record["backend"],
         history=record["history"],
         metrics=metrics,
         events=events,
-        warnings=(*remarks, *warnings(scenario, law)),
+        warnings=(
+            *_warnings(metrics, events, scenario, law, record["summary"]["end_time"], fast_turn),
+            *_far(record, scenario),
+            *warnings(scenario, law),
+        ),
     )
 
 
@@ -130,7 +132,7 @@ def _events(metrics: Metrics, record: Mapping[str, Any], step: float) -> tuple[E
 
 
 def _divergence(history: Mapping[str, NDArray[np.float64]], metrics: Metrics, step: float) -> str:
-    """Name a turn that no integration bears, or else the part of the state that grew fastest at the end."""
+    """Name the cause: a turn too large for the integration, or else the part of the state that grew fastest at the end."""
     if not len(history["time"]):
         return "the start is not finite"
     turn = (metrics.largest_rate or 0.0) * step
@@ -154,7 +156,7 @@ def _listed(value: Any) -> Any:
 
 
 def _far(record: Mapping[str, Any], scenario: Scenario) -> Iterator[str]:
-    """Say that the flight left the neighbourhood in which its equations hold, unless it began outside."""
+    """Warn that the flight left the range in which its equations hold, unless it began outside."""
     positions = record["history"]["position"]
     if len(positions):
         reached = math.sqrt(float((positions * positions).sum(axis=1).max()))
@@ -162,12 +164,12 @@ def _far(record: Mapping[str, Any], scenario: Scenario) -> Iterator[str]:
             yield f"reached a distance of {text}"
 
 
-def _fast_turn(metrics: Metrics, record: Mapping[str, Any], numbers: Mapping[str, Any], scenario: Scenario) -> str:
-    """Say that a body turned too fast for the integration step; empty where none did."""
-    plan, merge = numbers["plan"], record["merge"]
-    bodies = [numbers["chaser"]["inertia"]]
+def _fast_turn(metrics: Metrics, record: Mapping[str, Any], core_case: Mapping[str, Any], scenario: Scenario) -> str:
+    """Warn that a body turned too fast for the integration step; empty where none did."""
+    plan, merge = core_case["plan"], record["merge"]
+    bodies = [core_case["chaser"]["inertia"]]
     bodies += [merge["stack_inertia"]] if merge else []
-    bodies += [] if flown_exactly(scenario) else [numbers["debris"]["inertia"]]
+    bodies += [] if flown_exactly(scenario) else [core_case["debris"]["inertia"]]
     step = plan["control_period"] / plan["steps_per_period"]
     return coarse_step(most_asymmetric(*bodies), metrics.largest_rate or 0.0, step, record["summary"]["end_time"])
 
@@ -202,9 +204,9 @@ def _clipped(metrics: Metrics) -> Iterator[str]:
 def cut_off(scenario: Scenario) -> Iterator[str]:
     """Say which open-loop segments end after the flight."""
     duration = scenario.time.duration
-    for number, segment in enumerate(scenario.laws.none.segments if scenario.laws.none else ()):
+    for index, segment in enumerate(scenario.laws.none.segments if scenario.laws.none else ()):
         if segment.end > duration * (1.0 + 1e-9):
             yield (
-                f"laws.none.segments[{number}] ends at {segment.end:.10g} s, after the flight ({duration:.10g} s): "
+                f"laws.none.segments[{index}] ends at {segment.end:.10g} s, after the flight ({duration:.10g} s): "
                 "the rest is not flown"
             )

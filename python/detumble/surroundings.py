@@ -1,7 +1,7 @@
-"""What libraries need of the process and of its environment, and answer badly where it is not so.
+"""Conditions that libraries need of the process and its environment, and do not report themselves.
 
-Polars works with threads. A process that is forked from one in which they run has none, and would wait for them for ever.
-`import detumble` begins to watch, so that a child knows of it whoever forks it, and whatever polars was used for.
+Polars works with threads. A process that is forked from one in which they run has none, and would wait for them without end.
+`import detumble` registers hooks on fork, so that a child detects this however it was forked, and whatever polars was used for.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ _running = False
 
 
 def check_polars() -> None:
-    """Make sure, before polars has anything to do for its threads, that it can.
+    """Check that polars can use its threads, before it needs them.
 
     Raises:
         RequestError: they were left behind in a fork, or the environment asks for a number of them that cannot be.
@@ -71,7 +71,7 @@ def _runs_in(process: int | str) -> bool:
 
 
 def _is_fork() -> bool:
-    """Tell whether this process runs the program that its parent began: then the system's start values are the same."""
+    """Whether this process is a fork of its parent: then both have the same auxiliary vector of the system."""
     from pathlib import Path
 
     try:
@@ -80,17 +80,17 @@ def _is_fork() -> bool:
         return False
 
 
-def _look() -> None:
+def _note_threads() -> None:
     global _running
     _running = _runs_in("self")
 
 
-def _remember() -> None:
+def _note_loss() -> None:
     global lost
     lost = lost or _running
 
 
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(before=_look, after_in_child=_remember)
+    os.register_at_fork(before=_note_threads, after_in_child=_note_loss)
     # a child whose parent never imported detumble
     lost = not _runs_in("self") and _runs_in(os.getppid()) and _is_fork()

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, folders that are known to take them, and reading with a bound."""
+"""Files that are written whole or not at all, checks of output folders, and reading with a size limit."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ _LONGEST_STEM = 40
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """Give a temporary path beside the file; put it in place at the end, or take it away if anything failed.
+    """Give a temporary path beside the file; put it in place at the end, or remove it if anything failed.
 
     A symbolic link is followed and stays; a file that is replaced keeps its mode and, where the system allows it, its owner. Of
     several hard links only this one leads to the new file.
 
     Args:
-        path: where the finished file shall stand.
+        path: of the finished file.
 
     Yields:
         The path to write to, with the same ending.
 
     Raises:
-        RequestError: the folder does not take the file, or what stands there is no regular file.
+        RequestError: the file cannot be written, or the path is no regular file.
     """
     try:
         before = _regular(path)
@@ -195,10 +195,10 @@ def output_folder(path: Path | None) -> Iterator[None]:
         path: the folder; folders above it are created too. None asks for no folder.
 
     Yields:
-        Nothing. If the work fails, folders that were created for it and are still empty are taken away again.
+        Nothing. If the work fails, folders that were created for it and are still empty are removed again.
 
     Raises:
-        RequestError: it cannot be created, or takes no files.
+        RequestError: it cannot be created, or is not writable.
     """
     if path is None:
         yield
@@ -224,5 +224,5 @@ def output_folder(path: Path | None) -> Iterator[None]:
 
 
 def reason(error: OSError) -> str:
-    """Say an operating-system error in lower-case words, without its number."""
+    """Give the text of an operating-system error in lower case, without its number."""
     return (error.strerror or str(error)).lower()

@@ -15,7 +15,7 @@ from detumble.analysis.bounds.earliest import minimum_capture_time, minimum_capt
 from detumble.analysis.bounds.pursuit import Pursuit, start_of
 from detumble.analysis.bounds.translation import Reach
 from detumble.analysis.bounds.tumble import tumble
-from detumble.analysis.bounds.turn import Agility, excluded
+from detumble.analysis.bounds.turn import excluded
 from detumble.quaternions import conjugate, multiply, rotate
 
 PERIOD = chases.BASE.period
@@ -267,14 +267,15 @@ def test_numeric_single_axis_slew_of_the_paper_chaser_does_not_beat_it(axis, ang
 )
 def test_torques_that_try_never_meet_a_tumbling_debris_before_the_bound(inertia):
     dice = np.random.default_rng(7)
-    agility, limit = Agility.of(inertia, np.full(3, 0.01)), 0.01
+    limit = 0.01
+    pursuit = replace(BASE, chaser_inertia=inertia, torque=np.full(3, limit), angle=0.35, rate=0.05)
     inverse, substeps, ticks = np.linalg.inv(inertia), 4, 150
     h = PERIOD / substeps
     earliest = []
     for _ in range(12):
         row = random_starts(dice, 1, 1.0, tumble_rate=0.3, spin=0.15)[0]
         targets, rates = tumble(BASE.debris_inertia, row[13:17], row[17:], PERIOD, ticks)
-        shut = excluded(agility, row[6:10], row[10:13], targets, rates, 0, PERIOD, 0.35, 0.05)
+        shut = excluded(pursuit, row[6:10], row[10:13], targets, rates, 0)
         # 60 laws at once: PD on the error with random, mostly violent gains, saturated per axis
         q, w = np.tile(row[6:10], (60, 1)), np.tile(row[10:13], (60, 1))
         kp, kd = 10 ** dice.uniform(-2, 2, (60, 1)), 10 ** dice.uniform(-2, 2, (60, 1))

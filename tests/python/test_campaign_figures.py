@@ -19,16 +19,16 @@ from detumble.campaigns.statistics.summaries import Ecdf
 from detumble.errors import RequestError
 from detumble.failures import CAUSES
 from detumble.intervals import Proportion, clopper_pearson, dkw_half_width
-from detumble.show.campaign import Caption, Trace, failures
+from detumble.show.campaign import Caption, Trace
 from detumble.show.campaign import causes as causes_page
-from detumble.show.campaign.causes import draw_failures
+from detumble.show.campaign.causes import plot_failures
 from detumble.show.campaign.frame import PLAIN, percent
-from detumble.show.campaign.influence import MOST, draw_sensitivity, ranking
-from detumble.show.campaign.precision import draw_convergence
-from detumble.show.campaign.success import AIM, FEWEST, WIDE, cells, colour_limits, draw_success_map, edges
-from detumble.show.campaign.times import draw_capture_times, time_of
-from detumble.show.campaign.trajectories import FEW, draw_envelope, quantiles
-from detumble.show.style import LOOKS, save, styled
+from detumble.show.campaign.influence import MOST, plot_sensitivity, ranking
+from detumble.show.campaign.precision import plot_convergence
+from detumble.show.campaign.success import AIM, FEWEST, WIDE, cells, colour_limits, edges, plot_success_map
+from detumble.show.campaign.times import plot_capture_times, time_of
+from detumble.show.campaign.trajectories import FEW, plot_envelope, quantiles
+from detumble.show.style import LOOKS, save, styled, write_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -101,12 +101,12 @@ def usual() -> dict[str, Figure]:
     failed = {"captured, not settled": Proportion.of(812, 99_000), CAUSES[-1]: Proportion.of(12, 99_000)}
     mass, rate, _, success = drawn_runs(4000)
     return {
-        "times": draw_capture_times(*five_laws(), caption(4000, "")),
-        "success": draw_success_map(mass, rate, success, LABELS, caption(4000)),
-        "envelope": draw_envelope(*flights(), caption(4000)),
-        "failures": draw_failures(Proportion.of(98_176, 99_000), failed, caption(99_000)),
-        "convergence": draw_convergence(known(0.98, 100_000), caption(100_000), 0.001),
-        "sensitivity": draw_sensitivity(
+        "times": plot_capture_times(*five_laws(), caption(4000, "")),
+        "success": plot_success_map(mass, rate, success, LABELS, caption(4000)),
+        "envelope": plot_envelope(*flights(), caption(4000)),
+        "failures": plot_failures(Proportion.of(98_176, 99_000), failed, caption(99_000)),
+        "convergence": plot_convergence(known(0.98, 100_000), caption(100_000), 0.001),
+        "sensitivity": plot_sensitivity(
             [influences("failure", FIELDS, 1), influences("capture_time_s", FIELDS, 2)], caption(12_000)
         ),
     }
@@ -124,26 +124,26 @@ def odd() -> dict[str, Figure]:
     wild = np.where(np.arange(1200) > 600, 1e300, 1.0)[None].repeat(3, axis=0)
     wild[2, 700:] = np.inf
     return {
-        "one run captured": draw_capture_times({"lqr": ecdf(24.6 * one, 1)}, {}, caption(1, "lqr")),
-        "captured at once": draw_capture_times({"lqr": ecdf(0.0 * one, 1)}, {}, caption(1, "lqr")),
-        "nobody captured": draw_capture_times({"someone's": nobody}, {"someone's": nobody}, strange),
-        "map of one run": draw_success_map(one, 0.0 * one, one > 0.0, LABELS, caption(1)),
-        "map of successes": draw_success_map(mass, rate, success | True, LABELS, caption(2000)),
-        "map of failures": draw_success_map(mass, -rate, success & False, (STRANGE, STRANGE), strange),
-        "map of two values": draw_success_map(np.round(rate / rate.max()), mass, success, LABELS, caption(2000)),
-        "map of one mass": draw_success_map(9.0 + 1e-15 * np.round(rate), rate, success, LABELS, caption(2000)),
-        "one flight": draw_envelope(time, traces, caption(1)),
-        "flights that diverged": draw_envelope(time, [Trace("distance [m]", wild)], strange),
-        "nothing flown": draw_envelope(time, [Trace("distance [m]", wild * np.nan, {"goal": 1.0})], strange),
-        "no failures": draw_failures(Proportion.of(1000, 1000), {}, caption(1000)),
-        "one run failed": draw_failures(Proportion.of(0, 1), {"diverged": Proportion.of(1, 1)}, caption(1)),
-        "failures of every kind": draw_failures(Proportion.of(50, 1000), everything, strange),
-        "known after one run": draw_convergence(known(1.0, 1), caption(1), 0.01),
-        "nothing known": draw_convergence(Convergence(np.empty(0, np.int64), *np.empty((3, 0))), caption(1)),
-        "always the same": draw_convergence(known(0.0, 1000), strange),
-        "no failure to explain": draw_sensitivity([none, influences("capture_time_s", FIELDS, 2)], caption(1000)),
-        "nothing to explain": draw_sensitivity([none, none], caption(1)),
-        "many parameters": draw_sensitivity(
+        "one run captured": plot_capture_times({"lqr": ecdf(24.6 * one, 1)}, {}, caption(1, "lqr")),
+        "captured at once": plot_capture_times({"lqr": ecdf(0.0 * one, 1)}, {}, caption(1, "lqr")),
+        "nobody captured": plot_capture_times({"someone's": nobody}, {"someone's": nobody}, strange),
+        "map of one run": plot_success_map(one, 0.0 * one, one > 0.0, LABELS, caption(1)),
+        "map of successes": plot_success_map(mass, rate, success | True, LABELS, caption(2000)),
+        "map of failures": plot_success_map(mass, -rate, success & False, (STRANGE, STRANGE), strange),
+        "map of two values": plot_success_map(np.round(rate / rate.max()), mass, success, LABELS, caption(2000)),
+        "map of one mass": plot_success_map(9.0 + 1e-15 * np.round(rate), rate, success, LABELS, caption(2000)),
+        "one flight": plot_envelope(time, traces, caption(1)),
+        "flights that diverged": plot_envelope(time, [Trace("distance [m]", wild)], strange),
+        "nothing flown": plot_envelope(time, [Trace("distance [m]", wild * np.nan, {"goal": 1.0})], strange),
+        "no failures": plot_failures(Proportion.of(1000, 1000), {}, caption(1000)),
+        "one run failed": plot_failures(Proportion.of(0, 1), {"diverged": Proportion.of(1, 1)}, caption(1)),
+        "failures of every kind": plot_failures(Proportion.of(50, 1000), everything, strange),
+        "known after one run": plot_convergence(known(1.0, 1), caption(1), 0.01),
+        "nothing known": plot_convergence(Convergence(np.empty(0, np.int64), *np.empty((3, 0))), caption(1)),
+        "always the same": plot_convergence(known(0.0, 1000), strange),
+        "no failure to explain": plot_sensitivity([none, influences("capture_time_s", FIELDS, 2)], caption(1000)),
+        "nothing to explain": plot_sensitivity([none, none], caption(1)),
+        "many parameters": plot_sensitivity(
             [influences("failure", LONG, 1), influences("capture_time_s", LONG, 2)], strange
         ),
     }
@@ -197,7 +197,7 @@ def test_files_are_png_and_svg_and_the_same_each_time(tmp_path: Path) -> None:
     with styled():
         for name in ("first", "second"):
             for kind in ("png", "svg"):
-                figure = draw_success_map(*(drawn_runs(2000)[place] for place in (0, 1, 3)), LABELS, caption(2000))
+                figure = plot_success_map(*(drawn_runs(2000)[place] for place in (0, 1, 3)), LABELS, caption(2000))
                 save(figure, [tmp_path / f"{name}.{kind}"])
     for kind, head in (("png", b"\x89PNG\r\n"), ("svg", b"<?xml")):
         files = [tmp_path / f"{name}.{kind}" for name in ("first", "second")]
@@ -206,9 +206,12 @@ def test_files_are_png_and_svg_and_the_same_each_time(tmp_path: Path) -> None:
 
 
 def test_a_folder_that_takes_no_file_is_one_clear_message(tmp_path: Path) -> None:
+    def none_failed() -> Figure:
+        return plot_failures(Proportion.of(3, 3), {}, caption(3))
+
     with pytest.raises(RequestError, match="cannot be written"):
-        failures(Proportion.of(3, 3), {}, caption(3), tmp_path / "no" / "failures.png")
-    assert failures(Proportion.of(3, 3), {}, caption(3), tmp_path / "failures.png").stat().st_size > 5000
+        write_figure(none_failed, tmp_path / "no" / "failures.png")
+    assert write_figure(none_failed, tmp_path / "failures.png").stat().st_size > 5000
 
 
 def test_no_text_leaves_the_page_or_meets_another(drawn: dict[str, Figure]) -> None:
@@ -257,7 +260,7 @@ def test_median_and_95th_percentile_of_all_runs_are_marked() -> None:
     times = np.r_[np.random.default_rng(1).normal(30.0, 4.0, 970).round(1), np.full(30, np.inf)]  # 30 never capture
     curve = ecdf(times[:970], runs)
     with styled():
-        figure = draw_capture_times({"lqr": curve}, {}, caption(runs, "lqr"))
+        figure = plot_capture_times({"lqr": curve}, {}, caption(runs, "lqr"))
     for share in (0.5, 0.95):
         time = time_of(curve, share)
         assert time == np.quantile(times, share, method="inverted_cdf")
@@ -272,7 +275,7 @@ def test_those_that_never_capture_stay_visible_however_few() -> None:
     runs = 1_000_000
     times = np.random.default_rng(2).normal(30.0, 4.0, runs - 3)
     with styled():
-        right = draw_capture_times({"prrl": ecdf(times, runs)}, {}, caption(runs)).get_axes()[1]
+        right = plot_capture_times({"prrl": ecdf(times, runs)}, {}, caption(runs)).get_axes()[1]
     assert right.get_yscale() == "log"
     assert right.get_ylim()[0] < 3e-6
     end = float(right.get_xlim()[1])
@@ -284,8 +287,8 @@ def test_a_million_runs_are_few_points(tmp_path: Path) -> None:
     mass, rate, _, success = drawn_runs(1_000_000)
     with styled():
         pictures = [
-            draw_envelope(time, traces, caption(1_000_000)),
-            draw_success_map(mass, rate, success, LABELS, caption(1_000_000)),
+            plot_envelope(time, traces, caption(1_000_000)),
+            plot_success_map(mass, rate, success, LABELS, caption(1_000_000)),
         ]
         for figure in pictures:
             assert save(figure, [tmp_path / "thin.svg"])[0].stat().st_size < 1_000_000
@@ -297,7 +300,7 @@ def test_the_map_shows_the_share_of_each_cell_and_hatches_what_few_runs_tell() -
     y = x + 0.02 * dice.normal(size=5000)
     success = dice.random(5000) < 0.7
     with styled():
-        axes = draw_success_map(x, y, success, LABELS, caption(5000)).get_axes()[0]
+        axes = plot_success_map(x, y, success, LABELS, caption(5000)).get_axes()[0]
     across, up = edges(x)[0], edges(y)[0]
     bounds = [np.r_[-np.inf, part[1:-1], np.inf] for part in (up, across)]  # the outermost take what lies beyond
     runs, good = (np.histogram2d(y[chosen], x[chosen], bounds)[0] for chosen in (slice(None), success))
@@ -407,7 +410,7 @@ def test_failures_are_bars_with_exact_whiskers(drawn: dict[str, Figure]) -> None
 
 def test_no_failure_still_bounds_its_probability() -> None:
     with styled():
-        found = said(draw_failures(Proportion.of(10_000, 10_000), {}, caption(10_000)))
+        found = said(plot_failures(Proportion.of(10_000, 10_000), {}, caption(10_000)))
     bound = 100.0 * (1.0 - 0.025 ** (1.0 / 10_000))  # closed form of Clopper and Pearson
     assert f"no failure in 10 000 runs: its probability is below {bound:.2g} %" in found
     assert "100 % (above 99.963)" in found
@@ -423,7 +426,7 @@ def test_shares_carry_the_digits_that_they_are_worth() -> None:
 
 def test_long_names_of_causes_are_wrapped() -> None:
     with styled():
-        figure = draw_failures(Proportion.of(1, 2), {"a cause " * 50: Proportion.of(1, 2)}, caption(2))
+        figure = plot_failures(Proportion.of(1, 2), {"a cause " * 50: Proportion.of(1, 2)}, caption(2))
     name = figure.get_axes()[1].get_yticklabels()[0].get_text()
     assert name.count("\n") == 2
     assert all(len(line) <= causes_page.LINE for line in name.split("\n"))
@@ -434,8 +437,8 @@ def test_convergence_ends_in_its_last_interval_and_shows_when_it_was_narrow_enou
     curve = known(0.98, 100_000)
     half = 0.5 * (curve.high - curve.low)
     with styled():
-        above, below = draw_convergence(curve, caption(100_000), 0.002).get_axes()
-        unmet = draw_convergence(curve, caption(100_000), 1e-5)
+        above, below = plot_convergence(curve, caption(100_000), 0.002).get_axes()
+        unmet = plot_convergence(curve, caption(100_000), 1e-5)
     assert line_through(above, curve.runs[::5].astype(float), curve.share[::5]) == LOOKS["prrl"].colour
     span = above.patches[0].get_extents().transformed(above.transData.inverted())
     assert (span.y0, span.y1) == pytest.approx((curve.low[-1], curve.high[-1]))
@@ -475,10 +478,10 @@ def test_influences_stand_in_rows_of_the_same_parameter(drawn: dict[str, Figure]
 def test_where_there_is_nothing_to_explain_the_reason_stands() -> None:
     silence = "none of 12000 runs failed; at least 10 are needed"
     with styled():
-        figure = draw_sensitivity(
+        figure = plot_sensitivity(
             [Sensitivity("failure", 12_000, silence=silence), influences("x", FIELDS, 2)], caption(1)
         )
-        many = draw_sensitivity([influences("failure", LONG, 1)], caption(1))
+        many = plot_sensitivity([influences("failure", LONG, 1)], caption(1))
     assert silence in words(figure)
     assert [label.get_text() for label in figure.get_axes()[1].get_yticklabels()] == ranking(
         [influences("x", FIELDS, 2)]

@@ -91,10 +91,11 @@ import sys
 from pathlib import Path
 import detumble
 from detumble.scenario import with_settings
-from detumble.show.flight import flight_figure
+from detumble.show.flight import plot_flight
+from detumble.show.style import write_figure
 {before}
 flight = detumble.simulate(with_settings(detumble.load("paper"), ["time.duration=2.0"]))
-flight_figure(flight, Path(sys.argv[1] if len(sys.argv) > 1 else {path!r}))
+write_figure(lambda: plot_flight(flight), Path(sys.argv[1] if len(sys.argv) > 1 else {path!r}))
 {after}
 """
 CHANGED = """

@@ -20,7 +20,7 @@ from detumble.scenario.laws import LAWS
 from detumble.show import figures
 from detumble.show import flight as page
 from detumble.show.series import capture_row, round_up, spans, thinned, until_capture
-from detumble.show.style import AXIS_LOOKS, LOOKS, save, styled
+from detumble.show.style import AXIS_LOOKS, LOOKS, save, styled, write_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -98,15 +98,15 @@ def test_a_users_own_settings_neither_matter_nor_are_changed(flights: dict[str, 
     import matplotlib as mpl
 
     path = tmp_path / "flight.svg"
-    before = page.flight_figure(flights["prrl"], path).read_bytes()
+    before = write_figure(lambda: page.plot_flight(flights["prrl"]), path).read_bytes()
     with mpl.rc_context({"font.size": 30.0, "lines.linewidth": 9.0}):
-        assert page.flight_figure(flights["prrl"], path).read_bytes() == before
+        assert write_figure(lambda: page.plot_flight(flights["prrl"]), path).read_bytes() == before
         assert mpl.rcParams["font.size"] == 30.0
 
 
 def test_a_folder_that_takes_no_file_is_one_clear_message(flights: dict[str, Flight], tmp_path: Path) -> None:
     with pytest.raises(RequestError, match="cannot be written"):
-        page.flight_figure(flights["prrl"], tmp_path / "no" / "flight.png")
+        write_figure(lambda: page.plot_flight(flights["prrl"]), tmp_path / "no" / "flight.png")
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -151,14 +151,14 @@ def test_lines_are_drawn_in_the_looks_of_their_laws(drawn: dict[str, Figure]) ->
         assert text.get_text().startswith(LOOKS[law].label)
 
 
-def test_odd_flights_draw_without_a_warning(odd: dict[str, Flight], tmp_path: Path) -> None:
+def test_odd_flights_are_plotted_without_a_warning(odd: dict[str, Flight], tmp_path: Path) -> None:
     for number, (name, flight) in enumerate(odd.items()):
         path = tmp_path / f"{name}.{('png', 'svg')[number % 2]}"
-        assert page.flight_figure(flight, path) == path
+        assert write_figure(lambda flight=flight: page.plot_flight(flight), path) == path
         assert path.stat().st_size > 10_000
 
 
-def test_figures_of_the_case_draw_odd_flights_too(odd: dict[str, Flight]) -> None:
+def test_figures_of_the_case_take_odd_flights_too(odd: dict[str, Flight]) -> None:
     cases = [
         {"pd": odd["diverged"], "prrl": odd["captured at once"], "lqr": odd["no limits"]},
         {"tsmc": odd["two bodies"], "prrl": odd["one period"]},
@@ -172,7 +172,7 @@ def test_figures_of_the_case_draw_odd_flights_too(odd: dict[str, Flight]) -> Non
 
 def test_the_page_of_a_flight_carries_units(flights: dict[str, Flight]) -> None:
     with styled():
-        panels = axes_of(page.build(flights["prrl"]))
+        panels = axes_of(page.plot_flight(flights["prrl"]))
     assert len(panels) == 6
     assert all(axes.get_ylabel().endswith("]") for axes in panels)
     assert all(axes.get_xlabel().endswith("]") for axes in panels[-2:])

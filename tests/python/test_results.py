@@ -15,7 +15,7 @@ import detumble
 from commands import call
 from detumble.analysis.comparing.plan import Plan
 from detumble.errors import RequestError
-from detumble.results import LEDGER, results_folder
+from detumble.results import WRITTEN, results_folder
 from detumble.writing import write_text
 
 SHORT = ("--set", "time.duration=5.0")
@@ -116,19 +116,19 @@ def test_a_file_that_was_not_foreseen_is_not_replaced_either(tmp_path: Path) -> 
 
 @pytest.mark.parametrize("content", ["", "{", "[]", '{"files": 3}', '{"files": {"file": 3}}', '{"my": "notes"}', "\0"])
 def test_another_file_of_the_ledgers_name_stays(content: str, tmp_path: Path) -> None:
-    (tmp_path / LEDGER).write_text(content)
-    with pytest.raises(RequestError, match=LEDGER), results_folder(tmp_path, ["file"]):
+    (tmp_path / WRITTEN).write_text(content)
+    with pytest.raises(RequestError, match=WRITTEN), results_folder(tmp_path, ["file"]):
         write_text(tmp_path / "file", "ours")
-    assert state(tmp_path) == {LEDGER: content.encode()}
+    assert state(tmp_path) == {WRITTEN: content.encode()}
 
 
 def test_a_link_of_the_ledgers_name_stays(tmp_path: Path) -> None:
     (tmp_path / "mine").write_text("mine")
     for target in ("mine", "nowhere"):
-        (tmp_path / LEDGER).symlink_to(target)
-        with pytest.raises(RequestError, match=LEDGER), results_folder(tmp_path, ["file"]):
+        (tmp_path / WRITTEN).symlink_to(target)
+        with pytest.raises(RequestError, match=WRITTEN), results_folder(tmp_path, ["file"]):
             pass
-        (tmp_path / LEDGER).unlink()
+        (tmp_path / WRITTEN).unlink()
     assert state(tmp_path) == {"mine": b"mine"}
 
 
@@ -172,7 +172,7 @@ def test_results_of_another_request_do_not_stay_beside_the_new_ones(tmp_path: Pa
     assert call(*bound, *SHORT, "--runs", "2", "--quick", cwd=tmp_path).code == 0
     (tmp_path / "b" / "notes.csv").write_text("mine")
     assert call(*bound, "--set", "time.duration=1.0", cwd=tmp_path).code == 0
-    assert set(state(tmp_path / "b")) == {"bound.json", "scenario.toml", "notes.csv", LEDGER}
+    assert set(state(tmp_path / "b")) == {"bound.json", "scenario.toml", "notes.csv", WRITTEN}
 
 
 def test_a_campaign_is_read_from_nothing_that_has_no_end(tmp_path: Path) -> None:

@@ -299,7 +299,7 @@ def test_a_record_is_refused_where_it_is_not_of_this_search(tmp_path: Path, disp
         tune(dispersed, "pd", seed=1, record=record, resume=True, **QUICK)
     text = record.read_text()
     record.write_text(text.replace('"points": [[0.', '"points": [[0.9', 1))
-    with pytest.raises(RequestError, match="recorded by a search that went another way"):
+    with pytest.raises(RequestError, match="recorded by a search with other candidates"):
         tune(dispersed, "pd", record=record, resume=True, **QUICK)
     head, _, rest = text.partition("\n")
     broken = [

@@ -35,7 +35,7 @@ _BELIEFS = {"belief.chaser_inertia", "belief.stack_inertia"}
 
 @dataclass(frozen=True)
 class Change:
-    """A deviation from the scenario, to see how robust a law is.
+    """A deviation from the scenario, for tests of robustness.
 
     Attributes:
         belief: factor on the inertias that the laws believe; where `belief.stack` is `true`, that of the stack stays true.
@@ -143,7 +143,7 @@ class Trials:
                 one candidate with the scenario's own.
             threads: to use; None for all processors.
             backend: of the core; None for its choice.
-            progress: called now and then with the number of flights done; an exception that it raises ends the work.
+            progress: called repeatedly with the number of flights done; an exception that it raises ends the work.
 
         Returns:
             Results that depend, to the bit, neither on the threads nor on which candidates fly together.

@@ -79,7 +79,7 @@ def campaign(
 
     Raises:
         ScenarioError: the scenario cannot be flown.
-        RequestError: an argument cannot be used, the folder does not take the runs, or holds another campaign; polars
+        RequestError: an argument cannot be used, the folder is not writable, or holds another campaign; polars
             cannot work in this process (`surroundings`).
     """
     scenario, resume = given(scenario), flag("resume", resume)
@@ -102,7 +102,7 @@ def campaign(
     with closing(executor), _folder(out) as folder:
         about = executor.about() | {"machine": platform.machine(), "system": platform.platform()}
         with Store.create(folder, recipe, runs, about=about, resume=resume) as store:
-            runs = max(runs, store.flown())  # what is there already is counted too
+            runs = max(runs, store.stored_runs())  # what is there already is counted too
             statistics, effort = _fly(store, executor, runs, until_ci, watcher)
         if out is None:
             atexit.register(shutil.rmtree, folder, ignore_errors=True)
@@ -128,7 +128,7 @@ def _executor(
 
 @contextmanager
 def _folder(out: str | os.PathLike[str] | None) -> Iterator[Path]:
-    """Give the folder of the runs; a temporary one goes with a campaign that fails."""
+    """Give the folder of the runs; a temporary one is removed if the campaign fails."""
     if out is not None:
         yield named_folder(out, "out")
         return
@@ -158,13 +158,13 @@ def _fly(
         completed = executor.completed_runs()
         watcher.now(statistics.runs + completed, effort.flown + completed, statistics)
 
-    for number, work in _in_order(store, executor, runs, watcher):
+    for index, work in _in_order(store, executor, runs, watcher):
         if isinstance(work, pl.DataFrame):
             rows = work
         else:
             flown = _awaited(work, report)
             rows = frame_of(flown.columns)
-            store.write(number, rows)
+            store.write(index, rows)
             effort.count(rows.height, flown.ticks, flown.lane_ticks)
         statistics.add(rows)
         report()
@@ -180,10 +180,10 @@ def _in_order(
     """Give each shard in order: its rows if the folder has them, else the pending runs; a few are submitted ahead."""
     recipe = store.recipe
     ahead: deque[tuple[int, PendingRuns | pl.DataFrame]] = deque()
-    for number in range(recipe.shards(runs)):
-        span = recipe.runs_of(number, runs)
-        rows = store.find(number, len(span), watcher.remark)
-        ahead.append((number, executor.submit(recipe, span.start, len(span)) if rows is None else rows))
+    for index in range(recipe.shards(runs)):
+        span = recipe.runs_of(index, runs)
+        rows = store.find(index, len(span), watcher.remark)
+        ahead.append((index, executor.submit(recipe, span.start, len(span)) if rows is None else rows))
         if len(ahead) >= executor.ahead:
             yield ahead.popleft()
     yield from ahead

@@ -24,13 +24,14 @@ from detumble.scenario.wording import pretty
 from detumble.show.campaign import (
     Caption,
     Trace,
-    capture_times,
-    convergence,
-    envelope,
-    failures,
-    sensitivity,
-    success_map,
+    plot_capture_times,
+    plot_convergence,
+    plot_envelope,
+    plot_failures,
+    plot_sensitivity,
+    plot_success_map,
 )
+from detumble.show.style import write_figure
 from detumble.text import did_you_mean
 from detumble.writing import output_folder
 
@@ -58,7 +59,7 @@ ENVELOPE = ("distance", "angle_error", "rate_error")
 """Time series of the envelope."""
 
 
-def draw(store: Store, statistics: Statistics, over: Sequence[str], target: float | None) -> list[Path]:
+def write_pictures(store: Store, statistics: Statistics, over: Sequence[str], target: float | None) -> list[Path]:
     """Write the pictures into the folder `figures` of a campaign.
 
     Args:
@@ -83,26 +84,34 @@ def draw(store: Store, statistics: Statistics, over: Sequence[str], target: floa
     varying, _ = inputs(table, scenario)
     with results_folder(store.folder, FIGURES), output_folder(folder):
         settled = {law: statistics.ecdf("settled_time_s")} if scenario.capture.merge and law != "none" else {}
+        captured = {law: statistics.ecdf("capture_time_s")}
         files = [
-            capture_times({law: statistics.ecdf("capture_time_s")}, settled, caption, folder / "capture-times.png"),
-            failures(statistics.success, statistics.failures, caption, folder / "failures.png"),
-            convergence(statistics.convergence(), caption, folder / "convergence.png", target),
+            write_figure(lambda: plot_capture_times(captured, settled, caption), folder / "capture-times.png"),
+            write_figure(
+                lambda: plot_failures(statistics.success, statistics.failures, caption), folder / "failures.png"
+            ),
+            write_figure(
+                lambda: plot_convergence(statistics.convergence(), caption, target), folder / "convergence.png"
+            ),
             *_envelope(recipe, statistics.runs, caption, folder / "envelope.png"),
         ]
         if varying:
             outcomes = sensitivities(runs, scenario)
-            files.append(sensitivity(outcomes, caption, folder / "sensitivity.png"))
+            files.append(write_figure(lambda: plot_sensitivity(outcomes, caption), folder / "sensitivity.png"))
             across, up = over or _strongest(outcomes, varying)
+            x, y, success = varying[across], varying[up], table[SUCCEEDED.name].to_numpy()
             labels = (_label(across), _label(up))
-            success = table[SUCCEEDED.name].to_numpy()
             files.append(
-                success_map(varying[across], varying[up], success, labels, caption, folder / "success-map.png")
+                write_figure(
+                    lambda: plot_success_map(x, y, success, labels, caption),
+                    folder / "success-map.png",
+                )
             )
     return files
 
 
 def check_map(scenario: Scenario, over: Sequence[str]) -> None:
-    """Check, before anything is flown, that a success map can be drawn over two inputs.
+    """Check, before anything is flown, that a success map can be made over two inputs.
 
     Args:
         scenario: what is flown.
@@ -145,7 +154,7 @@ def _label(name: str) -> str:
 
 
 def _envelope(recipe: Recipe, runs: int, caption: Caption, path: Path) -> list[Path]:
-    """Draw runs flown again, without those that cannot be flown or have no finite row; no picture where none is left."""
+    """Plot runs flown again, without those that cannot be flown or have no finite row; no picture where none is left."""
     scenario = recipe.parsed
     ticks = round(scenario.time.duration / scenario.time.control_period) + 1
     count = min(runs, max(10, min(REFLOWN, TICKS // ticks)))
@@ -168,10 +177,10 @@ def _envelope(recipe: Recipe, runs: int, caption: Caption, path: Path) -> list[P
         ),
         Trace("rate error [rad/s]", rate, {"capture": capture.rate, "settled": settled.rate}),
     ]
-    return [envelope(time, traces, caption, path)]
+    return [write_figure(lambda: plot_envelope(time, traces, caption), path)]
 
 
 def _history(recipe: Recipe, index: int) -> list[Array]:
-    """Fly a run again, and keep only the time and the series that are drawn, (ticks,) each."""
+    """Fly a run again, and keep only the time and the series that are plotted, (ticks,) each."""
     history = fly_again(recipe, index).history
     return [history[name] for name in ("time", *ENVELOPE)]

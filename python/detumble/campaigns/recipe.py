@@ -25,7 +25,7 @@ WIDE = "avx2"
 
 
 def arithmetic(backend: str | None) -> str:
-    """Say whose bits the rows have that a back end gives; None is the best that this machine has."""
+    """Name the kind of arithmetic of a back end, `wide` or `portable`; None is the best back end of this machine."""
     portable = backend == "portable" or (backend is None and WIDE not in core().backends())
     return "portable" if portable else "wide"
 
@@ -67,9 +67,9 @@ class Recipe:
         """Give the recipe as JSON takes it."""
         return asdict(self)
 
-    def runs_of(self, number: int, runs: int) -> range:
+    def runs_of(self, index: int, runs: int) -> range:
         """Give the indices of the runs in a shard, in a campaign of `runs` runs."""
-        return range(number * self.shard, min((number + 1) * self.shard, runs))
+        return range(index * self.shard, min((index + 1) * self.shard, runs))
 
     def shards(self, runs: int) -> int:
         """Count the shards that hold `runs` runs."""

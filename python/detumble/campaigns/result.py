@@ -1,4 +1,4 @@
-"""What a campaign has shown, and the way back to its runs."""
+"""Result of a campaign: statistics, the table of its runs, and the flight of any run again."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class Effort:
-    """What it took to fly the runs that were not there before.
+    """Work of a call: the runs that it flew itself, without those read from the folder.
 
     Attributes:
         flown: runs.
@@ -42,7 +42,7 @@ class Effort:
     seconds: float = 0.0
 
     def count(self, flown: int, ticks: int, lane_ticks: int) -> None:
-        """Add what a shard took."""
+        """Add the work of a shard."""
         self.flown += flown
         self.ticks += ticks
         self.lane_ticks += lane_ticks
@@ -71,8 +71,8 @@ def read_campaign(folder: str | os.PathLike[str]) -> CampaignResult:
     """
     store = Store.open(folder)
     statistics = Statistics.of(store.recipe.parsed)
-    for number in range(store.recipe.shards(store.runs)):
-        rows = store.find(number, 1, lambda _: None, all_rows=True)
+    for index in range(store.recipe.shards(store.runs)):
+        rows = store.find(index, 1, lambda _: None, all_rows=True)
         if rows is None:
             break
         statistics.add(rows)
@@ -90,7 +90,7 @@ class CampaignResult:
     Attributes:
         store: its folder.
         statistics: of all its runs.
-        effort: what it took.
+        effort: work of this call.
     """
 
     store: Store
@@ -99,7 +99,7 @@ class CampaignResult:
 
     @property
     def folder(self) -> Path:
-        """Where the runs stand."""
+        """Folder of the runs."""
         return self.store.folder
 
     @property
@@ -109,7 +109,7 @@ class CampaignResult:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What a reader of the numbers ought to know, in sentences."""
+        """Sentences about what limits the validity of the statistics."""
         statistics, found = self.statistics, []
         runs, at_once, fast = statistics.runs, statistics.captured_at_once, statistics.fast_turns
         if at_once and self.recipe.law != "none":
@@ -173,13 +173,13 @@ class CampaignResult:
         Raises:
             RequestError: there are no such inputs, SALib is not installed, or a file cannot be written.
         """
-        from detumble.campaigns.pictures import draw
+        from detumble.campaigns.pictures import write_pictures
 
-        return draw(self.store, self.statistics, over, target)
+        return write_pictures(self.store, self.statistics, over, target)
 
     def to_json(self) -> dict[str, Any]:
         """Give everything in one object, as `detumble campaign --json` prints it."""
         scenario = self.recipe.parsed
         named = {"scenario": scenario.title, "law": self.recipe.law, "seed": self.recipe.seed}
-        told = {"warnings": list(self.warnings), "folder": str(self.folder)}
-        return {**named, **self.statistics.to_json(), **self.effort.to_json(), **told}
+        where = {"warnings": list(self.warnings), "folder": str(self.folder)}
+        return {**named, **self.statistics.to_json(), **self.effort.to_json(), **where}

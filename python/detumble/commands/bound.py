@@ -91,7 +91,8 @@ def _text(scenario: Scenario, found: Bounds) -> str:
 
 
 def _write(scenario: Scenario, found: Bounds, out: Path) -> list[Path]:
-    from detumble.show.bound import bound_figure
+    from detumble.show.bound import plot_bound
+    from detumble.show.style import write_figure
     from detumble.writing import write_text
 
     files = [out / "bound.json", out / "scenario.toml"]
@@ -109,7 +110,7 @@ def _write(scenario: Scenario, found: Bounds, out: Path) -> list[Path]:
         turn = {"attitude": slew.attitude, "rate_rad_s": slew.rate}
         files.append(_table(out / "attitude.csv", slew.times, turn, "torque_n_m", slew.torque))
     if capture.transfer is not None:
-        files += bound_figure(scenario.title, capture, out / "bound.png")
+        files.append(write_figure(lambda: plot_bound(scenario.title, capture), out / "bound.png"))
     return files
 
 
@@ -123,6 +124,6 @@ def _table(path: Path, times: Array, states: dict[str, Array], held: str, contro
     columns = {"time_s": times}
     for name, values in (states | {held: np.vstack((control, np.full((1, 3), np.nan)))}).items():
         axes = "xyz" if values.shape[1] == 3 else "wxyz"
-        columns |= {f"{name}.{axis}": values[:, number] for number, axis in enumerate(axes)}
+        columns |= {f"{name}.{axis}": values[:, index] for index, axis in enumerate(axes)}
     write_text(path, pl.DataFrame(columns).fill_nan(None).write_csv())
     return path

@@ -63,7 +63,7 @@ def campaign(
         float | None,
         typer.Option(metavar="HALF_WIDTH", help="Stop once the success probability is known this well (95 %)."),
     ] = None,
-    figures: Annotated[bool, typer.Option("--figures", help="Draw figures into DIR/figures.")] = False,
+    figures: Annotated[bool, typer.Option("--figures", help="Write figures into DIR/figures.")] = False,
     over: Annotated[
         list[str] | None,
         typer.Option("--map", metavar="COLUMN", help="Give it twice: the two columns of the success map."),
@@ -103,8 +103,8 @@ def campaign(
         )
     with results_folder(out, FILES, stale=FILES if result.effort.flown or figures else ()):
         write_text(out / "summary.json", json_text(result.to_json()) + "\n")
-        drawn = result.figures(tuple(over or ()), until_ci) if figures else []
-    print_result(as_json, result.to_json(), lambda: _text(result), drawn)
+        pictures = result.figures(tuple(over or ()), until_ci) if figures else []
+    print_result(as_json, result.to_json(), lambda: _text(result), pictures)
     half_width = result.statistics.success.half_width
     if until_ci is not None and half_width > until_ci:
         remark(
@@ -113,7 +113,7 @@ def campaign(
     for warning in result.warnings:
         if warning not in chosen.warnings:  # those were printed before
             remark(f"warning: {warning}")
-    remark_written(drawn)
+    remark_written(pictures)
     if result.statistics.broken_off == result.statistics.runs:
         raise typer.Exit(1)
 
@@ -130,7 +130,7 @@ def _runs(asked: int | None, until_ci: float | None, resumed: Path | None) -> in
 
 
 def _check_figures(scenario: Scenario, over: tuple[str, ...]) -> None:
-    """Check, before anything is flown, that the figures can be drawn."""
+    """Check, before anything is flown, that the figures can be made."""
     from detumble.campaigns.pictures import check_map
     from detumble.campaigns.statistics.sensitivity import pawn
 

@@ -93,12 +93,12 @@ def compare(
     with results_folder(out, FILES, scenario, stale=("tuned/*.toml", *FIGURES)), Line(kept) as line:
         entries = _entries(chosen, laws, entry or [])
         result = work(chosen, entries, plan, out=out, resume=resume, threads=threads, watcher=line)
-        drawn = result.figures(out / "figures") if out else []
-    print_result(as_json, result.to_json(), lambda: text_of(result), drawn)
+        pictures = result.figures(out / "figures") if out else []
+    print_result(as_json, result.to_json(), lambda: text_of(result), pictures)
     if not result.bounds.any():
         remark(f"warning: {INSIDE}, in every run")
     if out:
-        remark(f"written: {len(drawn)} figures, comparison.json and the gains of each entry in {out}")
+        remark(f"written: {len(pictures)} figures, comparison.json and the gains of each entry in {out}")
     for fault in result.broken:
         remark(f"error: {fault}: the bound or the simulation is wrong; please report this")
     if result.broken:

@@ -1,4 +1,4 @@
-"""Progress on the terminal: share, rate, time left, result so far. Nothing is drawn where standard error is no terminal."""
+"""Progress on the terminal: share, rate, time left, result so far. Nothing is shown where standard error is no terminal."""
 
 from __future__ import annotations
 
@@ -50,12 +50,12 @@ class Line(Watcher):
         self._title = title
 
     def begin(self, total: int) -> None:
-        """Draw the empty bar."""
+        """Show the empty bar."""
         self._began = time.perf_counter()
         self._bar.reset(self._task, total=total, description=self._title, rate="", found="")
 
     def now(self, done: int, fresh: int | None = None, found: Any = None) -> None:
-        """Draw the bar anew."""
+        """Update the bar."""
         if self._bar.disable or self._began is None:
             return
         fresh = done if fresh is None else fresh

@@ -26,7 +26,7 @@ def run(
     more: More = None,
     law: Law = None,
     seed: Annotated[int | None, typer.Option(help="Seed of the sensor noise.  [0]")] = None,
-    index: Annotated[int, typer.Option(help="Number of the trajectory under that seed: each has its own noise.")] = 0,
+    index: Annotated[int, typer.Option(help="Index of the trajectory under that seed: each has its own noise.")] = 0,
     replay: Annotated[
         str | None, typer.Option(metavar="DIR:INDEX", help="Fly a run of a campaign again, instead of a scenario.")
     ] = None,
@@ -41,7 +41,7 @@ def run(
     as_json: AsJson = False,
     backend: Backend = None,
 ) -> None:
-    """Fly one scenario once and say what came of it."""
+    """Fly one scenario once and print its metrics."""
     from detumble import recorded
     from detumble.results import results_folder
     from detumble.simulation import simulate
@@ -79,7 +79,7 @@ def _again(replay: str, backend: str | None) -> Flight:
 
     directory, colon, index = replay.rpartition(":")
     if not (colon and directory and index.isdecimal()):
-        raise RequestError(f"--replay {replay}: must be DIR:INDEX, the folder of a campaign and the number of a run")
+        raise RequestError(f"--replay {replay}: must be DIR:INDEX, the folder of a campaign and the index of a run")
     store = Store.open(directory)
     return fly_again(store.recipe, checked_index(int(index), store.runs), backend=backend)
 
@@ -120,12 +120,13 @@ def _text(flight: Flight) -> str:
 
 
 def _write(flight: Flight, folder: Path) -> list[Path]:
-    from detumble.show.flight import flight_figure
+    from detumble.show.flight import plot_flight
+    from detumble.show.style import write_figure
     from detumble.writing import write_text
 
     files = [folder / name for name in FILES]
     flight.to_netcdf(files[0])
     write_text(files[1], flight.scenario.to_toml())
     write_text(files[2], json_text({**_json(flight), "files": []}) + "\n")
-    flight_figure(flight, files[3])
+    write_figure(lambda: plot_flight(flight), files[3])
     return files

@@ -269,14 +269,15 @@ def _front_text(front: Front) -> str:
 
 
 def _write(tuned: Tuned, numbers: dict[str, Any], out: Path) -> list[Path]:
-    from detumble.show.tuning import convergence_figure
+    from detumble.show.style import write_figure
+    from detumble.show.tuning import plot_convergence
     from detumble.writing import write_text
 
     files = [out / "scenario.toml", out / NUMBERS, out / RECORD, out / "convergence.png"]
     tuned.scenario.save(files[0])
     history = [asdict(generation) for generation in tuned.history]
     write_text(files[1], json_text(numbers | {"history": history}) + "\n")
-    convergence_figure(tuned, files[3])
+    write_figure(lambda: plot_convergence(tuned), files[3])
     return files
 
 
@@ -284,7 +285,8 @@ def _write_front(front: Front, out: Path) -> list[Path]:
     import csv
     import io
 
-    from detumble.show.tuning import front_figure
+    from detumble.show.style import write_figure
+    from detumble.show.tuning import plot_front
     from detumble.writing import write_text
 
     files = [out / NUMBERS, out / "front.csv", out / RECORD]
@@ -298,5 +300,5 @@ def _write_front(front: Front, out: Path) -> list[Path]:
         files.append(out / f"point-{place + 1}.toml")
         front.scenario(place).save(files[-1])
     if front.points:
-        files.append(front_figure(front, out / "front.png"))
+        files.append(write_figure(lambda: plot_front(front), out / "front.png"))
     return files

@@ -1,7 +1,7 @@
-"""Figures 1 to 7 of the paper: the approach under each law, until it captures.
+"""Figures 1 to 7 of the paper: the approach under each law, until capture.
 
-Captures lie far apart, so where it helps the early part stands beside the whole. Lines go on thin and pale after capture
-where the law then flies the stack; figures 3 and 5 end there, as the paper's do.
+Capture times differ widely, so an early part is shown beside the whole where that helps. Lines are thin and pale after
+capture, where the law controls the stack; figures 3 and 5 end there, as the paper's do.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ import numpy as np
 from detumble.show.axes import (
     Panels,
     captured_at,
-    draw_captures,
-    draw_laws,
-    draw_level,
-    draw_line,
     law_legend,
-    set_sane_scale,
+    plot_captures,
+    plot_laws,
+    plot_level,
+    plot_line,
+    set_symlog_beyond,
     time_panels,
 )
-from detumble.show.series import Span, capture_times, flown, spans, thinned, until_capture
+from detumble.show.series import Span, capture_times, recorded_length, spans, thinned, until_capture
 from detumble.show.style import AXIS_LOOKS, look
 
 if TYPE_CHECKING:
@@ -39,11 +39,11 @@ def relative_position_x(flights: Mapping[str, Flight]) -> Figure:
     """Figure 1: radial position of the chaser relative to the debris, with the goal."""
     shown = approach_spans(flights)
     figure, panels = time_panels(shown, ["relative position x (radial, LVLH) [m]"], (WIDTH, 4.2))
-    draw_laws(panels[0], shown, flights, "position", 0, faint_after=True)
+    plot_laws(panels[0], shown, flights, "position", 0, faint_after=True)
     goal = first(flights).history["goal_position"]
     if len(goal) and not np.ptp(goal[:, 0]):
         for axes in panels[0]:
-            draw_level(axes, [float(goal[0, 0])], "goal" if axes is panels[0][0] else "", at=0.005)
+            plot_level(axes, [float(goal[0, 0])], "goal" if axes is panels[0][0] else "", at=0.005)
     return _finished(figure, panels, flights)
 
 
@@ -51,7 +51,7 @@ def relative_velocity_x(flights: Mapping[str, Flight]) -> Figure:
     """Figure 2: radial relative velocity."""
     shown = approach_spans(flights)
     figure, panels = time_panels(shown, ["relative velocity x (radial, LVLH) [m/s]"], (WIDTH, 4.2))
-    draw_laws(panels[0], shown, flights, "velocity", 0, faint_after=True)
+    plot_laws(panels[0], shown, flights, "velocity", 0, faint_after=True)
     return _finished(figure, panels, flights)
 
 
@@ -61,13 +61,13 @@ def chaser_rate(flights: Mapping[str, Flight]) -> Figure:
     labels = [f"chaser rate $\\omega_{axis}$ [rad/s]" for axis in "xyz"]
     figure, panels = time_panels(shown, labels, (WIDTH, 7.2))
     for axis, row in enumerate(panels):
-        draw_laws(row, shown, flights, "chaser_rate", axis)
+        plot_laws(row, shown, flights, "chaser_rate", axis)
     return _finished(figure, panels, flights)
 
 
 def debris_rate(flights: Mapping[str, Flight]) -> Figure:
-    """Figure 4: angular velocity of the debris in its body axes; torque-free, so the same whoever chases it."""
-    last = max(flights.values(), key=lambda flight: (flight.metrics.capture_time or math.inf, flown(flight)))
+    """Figure 4: angular velocity of the debris in its body axes; torque-free, so the same under every law."""
+    last = max(flights.values(), key=lambda flight: (flight.metrics.capture_time or math.inf, recorded_length(flight)))
     shown = approach_spans(flights)[-1:]
     shown = [Span(shown[0].end, "torque-free: the same under every law until it captures")]
     figure, panels = time_panels(shown, ["debris rate (body axes) [rad/s]"], (WIDTH, 4.2), right=1.75)
@@ -90,30 +90,30 @@ def attitude_error(flights: Mapping[str, Flight]) -> Figure:
     """Figure 5: angle between the chaser's axes and the debris', until capture, with the threshold."""
     shown = approach_spans(flights)
     figure, panels = time_panels(shown, ["attitude error against the debris [°]"], (WIDTH, 4.2))
-    draw_laws(panels[0], shown, flights, "angle_error", scale=math.degrees(1.0))
+    plot_laws(panels[0], shown, flights, "angle_error", scale=math.degrees(1.0))
     limit = first(flights).scenario.capture.angle_deg
     for axes in panels[0]:
-        draw_level(axes, [limit], f"capture below {limit:g}°" if axes is panels[0][-1] else "")
+        plot_level(axes, [limit], f"capture below {limit:g}°" if axes is panels[0][-1] else "")
         axes.set_ylim(bottom=0.0)
     return _finished(figure, panels, flights)
 
 
 def force_x(flights: Mapping[str, Flight]) -> Figure:
-    """Figure 6: radial force flown, with its saturation; a row for each law, since commands chatter over each other."""
+    """Figure 6: radial force given, with its saturation; a row for each law, since commands chatter over each other."""
     limit = _first_axis(first(flights).scenario.actuators.force_limit)
     return _command(flights, "force", limit, "Fx", "N", "radial force Fx, LVLH axes")
 
 
 def torque_x(flights: Mapping[str, Flight]) -> Figure:
-    """Figure 7: torque flown about the body x axis, with its saturation; a row for each law."""
+    """Figure 7: torque applied about the body x axis, with its saturation; a row for each law."""
     limit = _first_axis(first(flights).scenario.actuators.torque_limit)
     return _command(flights, "torque", limit, "τx", "N m", "torque τx, body axes")
 
 
 def approach_spans(flights: Mapping[str, Flight]) -> list[Span]:
-    """Choose the spans of time that show how every law comes to its capture."""
+    """Choose the spans of time that show every law's approach to its capture."""
     times = capture_times(flights)
-    return spans(list(times.values()), max(flown(flight) for flight in flights.values()), "whole approach")
+    return spans(list(times.values()), max(recorded_length(flight) for flight in flights.values()), "whole approach")
 
 
 def first(flights: Mapping[str, Flight]) -> Flight:
@@ -130,11 +130,11 @@ def _command(flights: Mapping[str, Flight], name: str, limit: float, symbol: str
         shown, [f"{look(law).label}\n{symbol} [{unit}]" for law in flights], (WIDTH, height), above=0.9
     )
     for row, (law, flight) in zip(panels, flights.items(), strict=True):
-        draw_laws(row, shown, {law: flight}, name, 0, faint_after=True, dotted_end=False)
+        plot_laws(row, shown, {law: flight}, name, 0, faint_after=True, dotted_end=False)
         for axes, span in zip(row, shown, strict=True):
             asked = until_capture(flight, f"{name}_command", 0)
-            draw_line(axes, law, asked, span.end, linewidth=0.7, linestyle=(0, (1.0, 1.5)), alpha=0.6, zorder=1.7)
-            draw_level(axes, [limit, -limit])
+            plot_line(axes, law, asked, span.end, linewidth=0.7, linestyle=(0, (1.0, 1.5)), alpha=0.6, zorder=1.7)
+            plot_level(axes, [limit, -limit])
         row[0].yaxis.label.set_color(look(law).colour)
         row[0].yaxis.label.set_parse_math(False)
         if math.isfinite(limit):
@@ -143,8 +143,8 @@ def _command(flights: Mapping[str, Flight], name: str, limit: float, symbol: str
             row[0].set_yticks([-limit, -0.1 * limit, 0.0, 0.1 * limit, limit])
             row[0].yaxis.set_major_formatter(lambda value, _: f"{value:g}".replace("-", "−"))
             row[0].yaxis.set_minor_locator(NullLocator())
-        draw_captures(row, {law: flight})
-        set_sane_scale(row[0])
+        plot_captures(row, {law: flight})
+        set_symlog_beyond(row[0])
     scale = " (linear within 1 % of the limit, logarithmic beyond)" if math.isfinite(limit) else ""
     notes = f"{quantity}{scale}\ndashed: limit; dotted: asked for; pale: the stack, after capture at"
     law_legend(figure, flights, captured_at(flights), notes)
@@ -157,7 +157,7 @@ def _first_axis(limit: float | tuple[float, float, float]) -> float:
 
 def _finished(figure: Figure, panels: Panels, flights: Mapping[str, Flight]) -> Figure:
     for row in panels:
-        draw_captures(row, flights)
-        set_sane_scale(row[0])
+        plot_captures(row, flights)
+        set_symlog_beyond(row[0])
     law_legend(figure, flights, captured_at(flights), "law, captured at")
     return figure

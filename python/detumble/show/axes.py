@@ -1,4 +1,4 @@
-"""Pieces that several figures are made of: rows of panels over time, lines of all laws, captures, limits, legends."""
+"""Elements of several figures: rows of panels over time, lines of all laws, captures, limits, legends."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from detumble.show.style import LIMIT, look, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
@@ -36,14 +37,14 @@ def time_panels(
 ) -> tuple[Figure, Panels]:
     """Make one row of panels for each quantity and one column for each span of time.
 
-    Margins are fixed, since a layout found by trial takes longer than the drawing.
+    Margins are fixed, since a layout found by trial takes longer than the plotting.
 
     Args:
         shown: the spans, from `series.spans`.
         labels: what each row shows, with its unit.
         size: width and height, inches.
         time_label: below the lowest row.
-        above, right: margins, inches; above, the legend stands.
+        above, right: margins, inches; the legend is above the panels.
 
     Returns:
         The figure, and its panels by row and column.
@@ -73,14 +74,14 @@ def time_panels(
     return figure, panels
 
 
-def draw_line(axes: Axes, law: str, line: tuple[Array, Array], end: float = math.inf, **changes: Any) -> None:
-    """Draw one law's line in its look, up to `end` s; keyword arguments change the look."""
+def plot_line(axes: Axes, law: str, line: tuple[Array, Array], end: float = math.inf, **changes: Any) -> None:
+    """Plot one law's line in its look, up to `end` s; keyword arguments change the look."""
     style = look(law)
     options = {"color": style.colour, "linestyle": style.dashes, "linewidth": style.width} | changes
     axes.plot(*thinned(*line, end), **options)
 
 
-def draw_laws(
+def plot_laws(
     panels: Sequence[Axes],
     shown: Sequence[Span],
     flights: Mapping[str, Flight],
@@ -91,7 +92,7 @@ def draw_laws(
     faint_after: bool = False,
     dotted_end: bool = True,
 ) -> None:
-    """Draw a series of all laws until each one's capture, in every panel of a row.
+    """Plot a series of all laws until each one's capture, in every panel of a row.
 
     Args:
         panels: the row.
@@ -109,8 +110,8 @@ def draw_laws(
             time, values = until_capture(flight, name, axis)
             if faint_after:
                 later, beyond = after_capture(flight, name, axis)
-                draw_line(axes, law, (later, scale * beyond), span.end, linewidth=0.8, alpha=0.4, zorder=1.8)
-            draw_line(axes, law, (time, scale * values), span.end)
+                plot_line(axes, law, (later, scale * beyond), span.end, linewidth=0.8, alpha=0.4, zorder=1.8)
+            plot_line(axes, law, (time, scale * values), span.end)
             captured = flight.metrics.capture_time
             if dotted_end and captured is not None and captured <= span.end and len(time):
                 axes.plot(
@@ -126,7 +127,7 @@ def draw_laws(
                 )
 
 
-def draw_captures(panels: Sequence[Axes], flights: Mapping[str, Flight]) -> None:
+def plot_captures(panels: Sequence[Axes], flights: Mapping[str, Flight]) -> None:
     """Mark the capture of each law by a vertical line in its look."""
     for axes in panels:
         left, right = sorted(axes.get_xlim())
@@ -137,8 +138,8 @@ def draw_captures(panels: Sequence[Axes], flights: Mapping[str, Flight]) -> None
                 axes.axvline(time, color=style.colour, linestyle=style.dashes, linewidth=0.9, alpha=0.75, zorder=1.6)
 
 
-def draw_level(axes: Axes, values: Sequence[float], text: str = "", *, above: bool = True, at: float = 0.995) -> None:
-    """Draw limits as horizontal lines; the first carries the text, the rest are bare. What is not finite is left out."""
+def plot_level(axes: Axes, values: Sequence[float], text: str = "", *, above: bool = True, at: float = 0.995) -> None:
+    """Plot limits as horizontal lines; the first carries the text, the rest are bare. What is not finite is left out."""
     finite = [value for value in values if math.isfinite(value)]
     for value in finite:
         axes.axhline(value, **LIMIT)
@@ -158,13 +159,13 @@ def draw_level(axes: Axes, values: Sequence[float], text: str = "", *, above: bo
 
 
 def law_legend(figure: Figure, flights: Mapping[str, Flight], ends: Mapping[str, str], title: str = "") -> None:
-    """Put one legend for all panels on top: each law's look, and what `ends` says of it.
+    """Put one legend for all panels on top: each law's look and its text in `ends`.
 
     Args:
         figure: where.
         flights: by law.
         ends: by law, like `captured at 7.6 s`.
-        title: what the words in `ends` are.
+        title: of the legend: what the texts in `ends` are.
     """
     from matplotlib.lines import Line2D
 
@@ -191,30 +192,35 @@ def law_legend(figure: Figure, flights: Mapping[str, Flight], ends: Mapping[str,
 
 
 def captured_at(flights: Mapping[str, Flight]) -> dict[str, str]:
-    """Say of each law when it captured."""
-    return {law: said(flight.metrics.capture_time, flight) for law, flight in flights.items()}
+    """Write the capture time of each law."""
+    return {law: time_text(flight.metrics.capture_time, flight) for law, flight in flights.items()}
 
 
-def said(time: float | None, flight: Flight) -> str:
-    """Say a time for a legend, or what happened instead."""
+def time_text(time: float | None, flight: Flight) -> str:
+    """Write a time for a legend, or what happened instead."""
     if time is not None:
         return f"{time:.1f} s"
     return "diverged" if flight.diverged else "–"
 
 
 def set_log_time(axes: Axes, start: float, end: float) -> None:
-    """Let a time axis count decades from `start` to `end` s, with readable numbers."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
-
+    """Make a time axis logarithmic, from `start` to `end` s, with readable numbers."""
     axes.set_xscale("log")
     axes.set_xlim(start, end)
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    label_decades(axes.xaxis)
 
 
-def set_sane_scale(axes: Axes, most: float = 1e4) -> None:
-    """Where a diverged flight stretches an axis beyond `most`, count its decades instead."""
+def label_decades(axis: Axis) -> None:
+    """Label a logarithmic axis at 1, 2 and 5 of each decade."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def set_symlog_beyond(axes: Axes, most: float = 1e4) -> None:
+    """Make a vertical axis logarithmic if a diverged flight exceeds `most` on it."""
     size = reach(axes)
     if size > most:
         axes.set_yscale("symlog", linthresh=1.0, linscale=0.1 * math.log10(size))
@@ -227,5 +233,5 @@ def reach(axes: Axes) -> float:
 
 
 def _numbers(line: Line2D) -> Array:
-    drawn: Array = np.asarray(line.get_ydata(), float)
-    return drawn[np.isfinite(drawn)]
+    values: Array = np.asarray(line.get_ydata(), float)
+    return values[np.isfinite(values)]

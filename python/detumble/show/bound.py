@@ -6,28 +6,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from detumble.show.style import AXIS_LOOKS, LIMIT, heading, new_figure, save, styled
+from detumble.show.style import AXIS_LOOKS, LIMIT, heading, new_figure
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from matplotlib.figure import Figure
 
     from detumble.analysis.bounds.bound import Rendezvous
     from detumble.quaternions import Array
 
 
-def bound_figure(title: str, found: Rendezvous, path: Path) -> list[Path]:
-    """Draw where the chaser is, how it turns, and what it asks of its actuators until the capture.
+def plot_bound(title: str, found: Rendezvous) -> Figure:
+    """Plot position, rotation, acceleration and torque until the capture; call it within `styled()`.
 
     Args:
         title: of the scenario.
-        found: a capture with a translation; without a slew its panels stay away.
-        path: ending in .png or .svg.
-
-    Returns:
-        The files written.
-
-    Raises:
-        RequestError: a file cannot be written.
+        found: a capture with a translation; without a slew its panels are left out.
     """
     assert found.transfer is not None
     rows: list[tuple[str, Array, Array, bool]] = [
@@ -37,18 +30,17 @@ def bound_figure(title: str, found: Rendezvous, path: Path) -> list[Path]:
     if found.slew is not None:
         rows.append(("chaser rate [rad/s]", found.slew.times, found.slew.rate, False))
         rows.append(("torque [N m]", found.slew.times, found.slew.torque, True))
-    with styled():
-        figure = new_figure(7.0, 1.6 * len(rows) + 0.9)
-        panels = figure.subplots(len(rows), 1, sharex=True)
-        for axes, (label, times, values, held) in zip(panels, rows, strict=True):
-            _lines(axes, times, values, held)
-            axes.set_ylabel(label)
-            axes.axvline(found.lower, **LIMIT)
-        panels[0].legend(ncols=3, loc="upper right")
-        panels[0].set_title(f"captured at {found.upper:.10g} s; no controller before {found.lower:.10g} s (dashed)")
-        panels[-1].set_xlabel("time [s]")
-        figure.suptitle(heading(title, 62), parse_math=False)
-        return save(figure, [path])
+    figure = new_figure(7.0, 1.6 * len(rows) + 0.9)
+    panels = figure.subplots(len(rows), 1, sharex=True)
+    for axes, (label, times, values, held) in zip(panels, rows, strict=True):
+        _lines(axes, times, values, held)
+        axes.set_ylabel(label)
+        axes.axvline(found.lower, **LIMIT)
+    panels[0].legend(ncols=3, loc="upper right")
+    panels[0].set_title(f"captured at {found.upper:.10g} s; no controller before {found.lower:.10g} s (dashed)")
+    panels[-1].set_xlabel("time [s]")
+    figure.suptitle(heading(title, 62), parse_math=False)
+    return figure
 
 
 def _lines(axes: Any, times: Array, values: Array, held: bool) -> None:

@@ -32,7 +32,7 @@ SUMMARY = "fig9_summary"
 
 
 def build(flights: Mapping[str, Flight], minimum_time: float) -> dict[str, Figure]:
-    """Draw every figure, in memory; call it within `styled()`.
+    """Plot every figure, in memory; call it within `styled()`.
 
     Args:
         flights: of one scenario, by law; at least one.
@@ -41,8 +41,8 @@ def build(flights: Mapping[str, Flight], minimum_time: float) -> dict[str, Figur
     Returns:
         Figures by file name, in order.
     """
-    drawn = {name: draw(flights) for name, draw in APPROACH.items()}
-    return drawn | {SUMMARY: summary(flights, minimum_time)}
+    plotted = {name: plot(flights) for name, plot in APPROACH.items()}
+    return plotted | {SUMMARY: summary(flights, minimum_time)}
 
 
 def paper_figures(flights: Mapping[str, Flight], out: Path, minimum_time: float) -> list[Path]:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from detumble.show.axes import TIME_LABEL, draw_level, reach, set_sane_scale
-from detumble.show.series import Array, flown, merged, round_up, thinned, whole
-from detumble.show.style import AXIS_LOOKS, LIMIT, heading, look, new_figure, save, styled
+from detumble.show.axes import TIME_LABEL, plot_level, reach, set_symlog_beyond
+from detumble.show.series import Array, merged, recorded_length, round_up, thinned, whole
+from detumble.show.style import AXIS_LOOKS, LIMIT, heading, look, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,31 +20,14 @@ if TYPE_CHECKING:
 SIZE = (11.7, 8.3)
 """Inches: a landscape page."""
 MARGINS = {"left": 0.08, "right": 0.985, "bottom": 0.065, "top": 0.895, "wspace": 0.2, "hspace": 0.16}
-"""Shares of the page; fixed, since a layout found by trial takes longer than the drawing."""
+"""Shares of the page; fixed, since a layout found by trial takes longer than the plotting."""
 
 FARTHEST = 20.0
-"""A limit this many times beyond what was reached is not drawn: it would flatten the rest."""
+"""A limit this many times beyond what was reached is not plotted: it would flatten the rest."""
 
 
-def flight_figure(flight: Flight, path: Path) -> Path:
-    """Write one page that shows a flight.
-
-    Args:
-        flight: what was flown: any law, captured or not, diverged or not.
-        path: the file, ending in .png or .svg; an older one is replaced.
-
-    Returns:
-        The path.
-
-    Raises:
-        RequestError: it cannot be written.
-    """
-    with styled():
-        return save(build(flight), [path])[0]
-
-
-def build(flight: Flight) -> Figure:
-    """Draw the page in memory; call it within `styled()`."""
+def plot_flight(flight: Flight) -> Figure:
+    """Plot the page in memory, of any law, captured or not, diverged or not; call it within `styled()`."""
     figure = new_figure(*SIZE, layout=None)
     panels = figure.subplots(3, 2, sharex=True, gridspec_kw=MARGINS)
     end = shown_until(flight)
@@ -61,7 +43,7 @@ def build(flight: Flight) -> Figure:
     for panel in panels.flat:
         panel.yaxis.set_label_coords(-0.135, 0.5)
         _mark_events(panel, flight, end)
-        set_sane_scale(panel)
+        set_symlog_beyond(panel)
         panel.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=5, handlelength=2.4, borderaxespad=0.1)
     for panel in panels[-1]:
         panel.set_xlabel(TIME_LABEL)
@@ -74,7 +56,7 @@ def build(flight: Flight) -> Figure:
 
 def shown_until(flight: Flight) -> float:
     """Choose the end of the time axis, s: all of the flight, unless it settled long before its end."""
-    length = flown(flight) or flight.scenario.time.duration
+    length = recorded_length(flight) or flight.scenario.time.duration
     settled = flight.event("settled")
     if settled is None or flight.law == "none":
         return length
@@ -126,7 +108,7 @@ def _command(
     largest = reach(axes)
     for bound in sorted(set(limit)) if isinstance(limit, tuple) else [limit]:
         if math.isfinite(bound) and bound <= FARTHEST * largest:
-            draw_level(axes, [-bound, bound], f"limit {bound:g}", at=0.005)
+            plot_level(axes, [-bound, bound], f"limit {bound:g}", at=0.005)
 
 
 def _components(axes: Axes, flight: Flight, end: float, name: str, reference: Array | None) -> None:
@@ -145,7 +127,7 @@ def _norm(axes: Axes, flight: Flight, end: float, name: str, label: str, scale: 
 
 
 def _threshold(axes: Axes, flight: Flight, until: float, after: float | None, end: float) -> None:
-    """Draw a threshold over the time it counts: that of capture until capture, that of settling from then on."""
+    """Plot a threshold over the time it counts: that of capture until capture, that of settling from then on."""
     captured = flight.metrics.capture_time if merged(flight) else None
     size = reach(axes)
     change = end if captured is None else min(captured, end)
@@ -179,6 +161,6 @@ def _subtitle(flight: Flight, end: float) -> str:
         parts.append(f"broken off at {flight.events[-1].time:.4g} s: no gains")
     if metrics.delta_v is not None and metrics.delta_v < 1e6:
         parts.append(f"Δv {metrics.delta_v:.3f} m/s")
-    if end < flown(flight):
-        parts.append(f"flight of {flown(flight):g} s, shown to {end:g} s")
+    if end < recorded_length(flight):
+        parts.append(f"flight of {recorded_length(flight):g} s, shown to {end:g} s")
     return "   ·   ".join(parts)

@@ -1,4 +1,4 @@
-"""What figures draw: time series until and after capture, thinned to what can be seen, and the spans of time to show."""
+"""Data of the figures: time series until and after capture, thinned to what can be seen, and the spans of time to show."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ Array: TypeAlias = NDArray[np.float64]
 
 MOST_POINTS = 4000
 LARGEST = 1e100
-"""What a diverged flight reaches beyond this is not drawn: axes cannot carry it."""
+"""What a diverged flight reaches beyond this is not plotted: axes cannot show it."""
 
 _BEFORE_MERGE = ("position", "velocity", "chaser_attitude", "chaser_rate", "debris_attitude", "debris_rate")
 _HELD = ("force", "force_command", "torque", "torque_command")
-"""Held over the period that follows: the one at capture is already the stack's."""
+"""Held over the period that follows: the value at capture is already the stack's."""
 _JUDGED = {"distance": "capture_distance", "angle_error": "capture_angle", "rate_error": "capture_rate"}
 _JUDGED |= {"speed_error": "capture_speed"}
 
 
 @dataclass(frozen=True)
 class Span:
-    """A stretch of time to draw, s.
+    """A span of time to plot, s.
 
     Attributes:
         end: it begins at 0.
@@ -146,7 +146,7 @@ def capture_times(flights: Mapping[str, Flight]) -> dict[str, float | None]:
     return {law: flight.metrics.capture_time for law, flight in flights.items()}
 
 
-def flown(flight: Flight) -> float:
+def recorded_length(flight: Flight) -> float:
     """Length of what was recorded, s."""
     time = flight.history["time"]
     return float(time[-1]) if len(time) else 0.0

@@ -1,4 +1,4 @@
-"""Figure 8: what becomes of the stack after capture, which the paper claims and does not show."""
+"""Figure 8: rates and pointing of the stack after capture, which the paper describes and does not show."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from detumble.show.approach import WIDTH, first
-from detumble.show.axes import draw_level, draw_line, law_legend, said, time_panels
-from detumble.show.series import LARGEST, Array, after_capture, flown, merged, spans
+from detumble.show.axes import law_legend, plot_level, plot_line, time_panels, time_text
+from detumble.show.series import LARGEST, Array, after_capture, merged, recorded_length, spans
 from detumble.show.style import look
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def stack_after_capture(flights: Mapping[str, Flight]) -> Figure:
     """Figure 8: rate and pointing error of the stack against LVLH since capture, with thresholds and settling times."""
     settled = first(flights).scenario.settled
     stacks = {law: flight for law, flight in flights.items() if merged(flight)}
-    left = [flown(flight) - (flight.metrics.capture_time or 0.0) for flight in stacks.values()]
+    left = [recorded_length(flight) - (flight.metrics.capture_time or 0.0) for flight in stacks.values()]
     shown = spans([flight.metrics.settling_time for flight in stacks.values()], max(left, default=1.0), "whole")
     labels = ["stack rate relative to LVLH [rad/s]", "pointing error against LVLH [°]"]
     figure, panels = time_panels(shown, labels, (WIDTH, 6.6), "time since capture [s]")
@@ -37,11 +37,11 @@ def stack_after_capture(flights: Mapping[str, Flight]) -> Figure:
             for law, flight in stacks.items():
                 time, values = after_capture(flight, name)
                 since = time - (flight.metrics.capture_time or 0.0)
-                draw_line(axes, law, (since, scale * values), span.end)
+                plot_line(axes, law, (since, scale * values), span.end)
                 _mark_settling(axes, law, flight, since, scale * values, span.end)
-            draw_level(axes, [level], text if axes is row[-1] else "")
+            plot_level(axes, [level], text if axes is row[-1] else "")
         _set_log_scale(row[0], level, [scale * after_capture(flight, name)[1] for flight in stacks.values()])
-    ends = {law: said(flight.metrics.settling_time, flight) for law, flight in flights.items()}
+    ends = {law: time_text(flight.metrics.settling_time, flight) for law, flight in flights.items()}
     law_legend(figure, flights, ends, "law, settled after capture within")
     return figure
 
@@ -59,9 +59,9 @@ def _mark_settling(axes: Axes, law: str, flight: Flight, since: Array, values: A
     )  # fmt: skip
 
 
-def _set_log_scale(axes: Axes, level: float, drawn: Sequence[Array]) -> None:
+def _set_log_scale(axes: Axes, level: float, plotted: Sequence[Array]) -> None:
     """Count decades, from a hundredth of the threshold to a little above the largest value."""
-    values = np.concatenate([[level], *drawn])
+    values = np.concatenate([[level], *plotted])
     values = values[(values > 0.0) & (values < LARGEST)]
     axes.set_yscale("log")
     axes.set_ylim(max(float(values.min()) / 1.5, 1e-2 * level), 2.0 * float(values.max()))

@@ -1,4 +1,4 @@
-"""How pictures look: one colour, line and marker for each law everywhere, and the settings all figures share.
+"""Looks of pictures: one colour, line and marker for each law everywhere, and the settings that all figures share.
 
 Colours are those of Okabe & Ito (2008), which stay apart for every common colour blindness; laws also differ by their
 dashes and markers, for print in grey. Settings hold within `styled()` only, and figures are made without pyplot.
@@ -7,7 +7,7 @@ dashes and markers, for print in grey. Settings hold within `styled()` only, and
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,7 +27,7 @@ DPI = 200
 
 @dataclass(frozen=True)
 class Look:
-    """How one thing is drawn wherever it appears.
+    """Appearance of a law or an axis in every figure.
 
     Attributes:
         label: its name in legends.
@@ -91,22 +91,22 @@ def look(law: str) -> Look:
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Draw with detumble's settings, whatever the user's own are; they are back afterwards."""
+    """Plot with detumble's settings, whatever the user's own are, which are restored afterwards."""
     load_matplotlib()
     import matplotlib.style
 
     with warnings.catch_warnings(), matplotlib.style.context(["default", _SETTINGS]):
-        if matplotlib_setup.own_process:  # what a library remarks of an odd picture says nothing to who runs a command
+        if matplotlib_setup.own_process:  # a library's warnings about a picture do not help a user of the command line
             warnings.simplefilter("ignore")
         yield
 
 
 def new_figure(width: float, height: float, layout: Literal["constrained"] | None = "constrained") -> Figure:
-    """Make an empty figure that belongs to nobody else.
+    """Make an empty figure.
 
     Args:
         width, height: inches.
-        layout: who finds the margins; None where they are set.
+        layout: method that finds the margins; None where they are set.
     """
     from matplotlib.figure import Figure
 
@@ -122,6 +122,23 @@ def heading(text: str, width: int = 100) -> str:
 def shortened(name: str, width: int) -> str:
     """Leave out the middle of a long name: the end often says how it differs from others."""
     return name if len(name) <= width else f"{name[: width // 3]}…{name[-(width - width // 3 - 1) :]}"
+
+
+def write_figure(plot: Callable[[], Figure], path: Path) -> Path:
+    """Plot a figure with detumble's settings and write it.
+
+    Args:
+        plot: makes the figure, in memory.
+        path: the file, ending in .png or .svg; an older one is replaced.
+
+    Returns:
+        The path.
+
+    Raises:
+        RequestError: it cannot be written.
+    """
+    with styled():
+        return save(plot(), [path])[0]
 
 
 def save(figure: Figure, paths: Sequence[Path]) -> list[Path]:
@@ -143,7 +160,7 @@ def save(figure: Figure, paths: Sequence[Path]) -> list[Path]:
     for path in paths:
         with whole_file(path) as temporary, warnings.catch_warnings():
             warnings.filterwarnings("ignore", message="Glyph .* missing from")  # a title in a script without font here
-            # straight to the canvas: `savefig` would draw everything twice
+            # straight to the canvas: `savefig` would render everything twice
             if path.suffix == ".svg":
                 canvas: Any = FigureCanvasSVG(figure)
                 canvas.print_svg(temporary, metadata={"Date": None})

@@ -14,7 +14,7 @@ import numpy as np
 
 from detumble.scenario.paper import PUBLISHED_CAPTURE_TIMES
 from detumble.show.approach import first
-from detumble.show.axes import TIME_LABEL, draw_captures, draw_laws, draw_level, set_log_time, set_sane_scale
+from detumble.show.axes import TIME_LABEL, plot_captures, plot_laws, plot_level, set_log_time, set_symlog_beyond
 from detumble.show.series import (
     LARGEST,
     MOST_POINTS,
@@ -22,7 +22,7 @@ from detumble.show.series import (
     Span,
     after_capture,
     capture_times,
-    flown,
+    recorded_length,
     round_up,
     until_capture,
 )
@@ -40,7 +40,7 @@ NAMES = ("radial x", "along-track y", "cross-track z")
 
 
 def summary(flights: Mapping[str, Flight], minimum_time: float) -> Figure:
-    """Draw figure 9.
+    """Plot figure 9.
 
     Args:
         flights: of one scenario, by law.
@@ -58,10 +58,10 @@ def summary(flights: Mapping[str, Flight], minimum_time: float) -> Figure:
     _plane(below[0], flights)
     _approach(below[1], flights, "distance", 1.0)
     below[1].set_ylabel("distance from the goal [m]")
-    draw_level(below[1], [scenario.capture.distance], f"capture below {scenario.capture.distance:g} m", at=0.005)
+    plot_level(below[1], [scenario.capture.distance], f"capture below {scenario.capture.distance:g} m", at=0.005)
     _approach(below[2], flights, "angle_error", math.degrees(1.0))
     below[2].set_ylabel("attitude error against the debris [°]")
-    draw_level(below[2], [scenario.capture.angle_deg], f"capture below {scenario.capture.angle_deg:g}°", at=0.005)
+    plot_level(below[2], [scenario.capture.angle_deg], f"capture below {scenario.capture.angle_deg:g}°", at=0.005)
     return figure
 
 
@@ -160,7 +160,7 @@ def _plane(axes: Axes, flights: Mapping[str, Flight]) -> None:
 
 
 def _path(axes: Axes, law: str, across: Array, up: Array, **changes: Any) -> None:
-    """Draw a path in a plane, thinned evenly."""
+    """Plot a path in a plane, thinned evenly."""
     every = max(1, len(across) // MOST_POINTS)
     style = look(law)
     across, up = (np.where(np.abs(part[::every]) < LARGEST, part[::every], np.nan) for part in (across, up))
@@ -170,13 +170,13 @@ def _path(axes: Axes, law: str, across: Array, up: Array, **changes: Any) -> Non
 def _approach(axes: Axes, flights: Mapping[str, Flight], name: str, scale: float) -> None:
     """A series until capture over the logarithm of time."""
     times = [time for time in capture_times(flights).values() if time]
-    last = max(flown(flight) for flight in flights.values())
+    last = max(recorded_length(flight) for flight in flights.values())
     last = last if len(times) < len(flights) or not times else min(last, round_up(1.2 * max(times)))
     start = min(1.0, 0.1 * min(times, default=10.0))
     set_log_time(axes, start, max(last, 10.0 * start))
-    draw_laws([axes], [Span(last, "")], flights, name, scale=scale)
-    draw_captures([axes], flights)
+    plot_laws([axes], [Span(last, "")], flights, name, scale=scale)
+    plot_captures([axes], flights)
     if name == "angle_error":
         axes.set_ylim(bottom=0.0)
-    set_sane_scale(axes)
+    set_symlog_beyond(axes)
     axes.set_xlabel(TIME_LABEL)

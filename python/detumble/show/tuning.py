@@ -6,11 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from detumble.show.style import LIMIT, heading, look, new_figure, save, styled
+from detumble.show.style import LIMIT, heading, look, new_figure
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -21,22 +19,8 @@ PALE = "#A0A0A0"
 """Colour of single generations."""
 
 
-def convergence_figure(tuned: Tuned, path: Path) -> Path:
-    """Write the cost of the best candidate over the number of evaluations, and its success below.
-
-    Args:
-        tuned: what a search found.
-        path: the file, ending in .png or .svg; an older one is replaced.
-
-    Raises:
-        RequestError: it cannot be written.
-    """
-    with styled():
-        return save(draw_convergence(tuned), [path])[0]
-
-
-def draw_convergence(tuned: Tuned) -> Figure:
-    """Draw the figure in memory; call it within `styled()`."""
+def plot_convergence(tuned: Tuned) -> Figure:
+    """Plot the figure in memory; call it within `styled()`."""
     from matplotlib.ticker import LogLocator
 
     figure = new_figure(7.5, 5.2)
@@ -86,22 +70,8 @@ def _level(axes: Axes, tuned: Tuned) -> None:
     )
 
 
-def front_figure(front: Front, path: Path) -> Path:
-    """Write the front of time against Δv to capture.
-
-    Args:
-        front: with at least one point.
-        path: the file, ending in .png or .svg; an older one is replaced.
-
-    Raises:
-        RequestError: it cannot be written.
-    """
-    with styled():
-        return save(draw_front(front), [path])[0]
-
-
-def draw_front(front: Front) -> Figure:
-    """Draw the figure in memory; call it within `styled()`."""
+def plot_front(front: Front) -> Figure:
+    """Plot the figure in memory; call it within `styled()`."""
     figure = new_figure(7.0, 4.6)
     figure.suptitle(heading(front.initial.title, 66), parse_math=False)
     axes = figure.subplots()

@@ -2,7 +2,7 @@
 
 Take an interval [t₀, t₁] of possible ends T and its middle t_m. The debris' attitude moves by no more than
 (t₁ - t₀)/2 · max|w_D| from the middle, its rate by no more than (t₁ - t₀)/2 · b |w_D|² (`turn`: b), so the thresholds widen
-by that; what the chaser can do grows with time, so t₁ stands for all. Besides the relaxations of `turn` there are those of
+by that; what the chaser can do grows with time, so t₁ is used for all. Besides the relaxations of `turn` there are those of
 single body axes. With w' = I⁻¹(τ - w × I w) and |w_j| ≤ W_j, where (I⁻¹(w × I w))_i = wᵀ G_i w,
 
     |w_i(t) - w_i(0)| ≤ c_i(t),     c_i' = a_i + Σ_jk |G_i,jk| W_j W_k,     a_i = Σ_j |I⁻¹_ij| limit_j,     W = |w(0)| + c,
@@ -28,12 +28,13 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from detumble.analysis.bounds.tumble import tumble
-from detumble.analysis.bounds.turn import ROUND_OFF, Agility, angle_between, trapezoids
+from detumble.analysis.bounds.turn import CORNERS, ROUND_OFF, Agility, angle_between, trapezoids
 from detumble.quaternions import Array, conjugate, multiply, rotate, rotation_angle
 
 if TYPE_CHECKING:
@@ -41,9 +42,8 @@ if TYPE_CHECKING:
 
 CELLS = 96  # of the time from the start to the end, in which rates are bounded
 PASSES = 3  # of the bound of the gyroscopic coupling
-RESOLUTION = 4e-4  # of the time: what the search gives away
+RESOLUTION = 4e-4  # of the time: loss of the search
 SHORTEST = 1e-5  # s
-SIGNS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 AXES = np.array([axis for axis in itertools.product((-1.0, 0.0, 1.0), repeat=3) if axis > (0.0, 0.0, 0.0)])
 AXES /= np.linalg.norm(AXES, axis=1, keepdims=True)  # edges, face and body diagonals of the cube, each once
 LEVI_CIVITA = np.cross(np.eye(3)[:, None, :], np.eye(3)[None, :, :])
@@ -57,7 +57,7 @@ def earliest_attitude(pursuit: Pursuit, start: Array) -> float:
         start: (20,), as `pursuit.start_of` gives it.
 
     Returns:
-        0 where they hold at once or no torque limit keeps them from it; inf where the flight is too short.
+        0 where they hold at the start or the torque is unlimited; inf where the flight is too short.
     """
     turn = Turn(pursuit, start)
     dwell, last = pursuit.dwell_ticks * pursuit.period, pursuit.periods * pursuit.period
@@ -76,8 +76,44 @@ def earliest_attitude(pursuit: Pursuit, start: Array) -> float:
     return math.inf
 
 
+@dataclass(frozen=True)
+class _End:
+    """What the middle of an interval of ends requires, widened so that it holds for all of them.
+
+    Attributes:
+        turn: (4,) the debris' attitude, from the chaser's at the start.
+        angle: θ, rad.
+        rate: (3,) the debris', its own axes, rad/s.
+        around: ρ, rad/s.
+        length: of the interval, s.
+    """
+
+    turn: Array
+    angle: float
+    rate: Array
+    around: float
+    length: float
+
+
+@dataclass(frozen=True)
+class _Growth:
+    """Bounds of the chaser's rate between start and end.
+
+    Attributes:
+        times: (CELLS + 1,) s.
+        ahead: (CELLS + 1, 3) what the gyroscopic coupling adds from the start on, at the times.
+        back: the same from the end backwards.
+        fastest: (CELLS,) mean |w| in each cell.
+    """
+
+    times: Array
+    ahead: Array
+    back: Array
+    fastest: Array
+
+
 class Turn:
-    """One start, with the certificates that no end of an interval can be met."""
+    """One start, and certificates that exclude intervals of time."""
 
     def __init__(self, pursuit: Pursuit, start: Array) -> None:
         self.pursuit, self.agility = pursuit, pursuit.agility
@@ -129,7 +165,7 @@ class Turn:
         beyond = np.maximum(0.0, np.abs(rate - self.rate) - ahead[-1] - self.drive * end)
         if np.linalg.norm(beyond) > around + ROUND_OFF:
             return True
-        return self._untwistable(turn, angle, rate, around, times, ahead, back, fastest, 2.0 * half)
+        return self._untwistable(_End(turn, angle, rate, around, 2.0 * half), _Growth(times, ahead, back, fastest))
 
     def _ceilings(self, rate: Array, near: float, times: Array) -> Array:
         """The bounds (3, n) of |w| at times (n,) after it was within `near` of a rate (3,)."""
@@ -145,28 +181,15 @@ class Turn:
         added = np.zeros((CELLS + 1, 3))
         bound = np.repeat(ceiling[:, None], 3, axis=1)
         for _ in range(PASSES):
-            later = bound[1:]  # the bound rises, so its value at the end of a cell serves for all of it
+            later = bound[1:]  # the bound rises, so its value at the end of a cell holds for all of it
             added[1:] = width * np.cumsum(np.einsum("ijk,tj,tk->ti", self.coupling, later, later), axis=0)
             bound = np.minimum(bound, driven + added)
         return added
 
-    def _untwistable(
-        self, turn: Array, angle: float, rate: Array, around: float,
-        times: Array, ahead: Array, back: Array, fastest: Array, slack: float,
-    ) -> bool:  # fmt: skip
-        """Whether swing or twist about some body axis excludes the turn (4,) as the module says.
-
-        Args:
-            turn: the debris' attitude in the middle of the interval, from the chaser's at the start.
-            angle: θ, widened.
-            rate: (3,) the debris', own axes, in the middle.
-            around: ρ.
-            times: s, of the rows of `ahead` and, from the end backwards, of `back`.
-            ahead: bounds of what coupling adds.
-            back: the same from the end.
-            fastest: bounds of the mean |w| in each cell.
-            slack: length of the interval, s.
-        """
+    def _untwistable(self, end: _End, growth: _Growth) -> bool:
+        """Whether swing or twist about some body axis excludes the end, as the module says."""
+        turn, angle, rate, around = end.turn, end.angle, end.rate, end.around
+        times, ahead, back = growth.times, growth.ahead, growth.back
         width = times[1]
         norm = float(np.linalg.norm(turn[1:]))
         axes = np.vstack((AXES, turn[1:] / norm)) if norm > 0.0 else AXES
@@ -176,13 +199,13 @@ class Turn:
         first, last = axes @ self.rate, axes @ rate
         most, least = (
             width * np.minimum(means(sign * first + push_ahead), means(sign * last + push_back)).sum(axis=0)
-            + slack * np.maximum(0.0, -np.minimum(sign * first, sign * last + around))
+            + end.length * np.maximum(0.0, -np.minimum(sign * first, sign * last + around))
             for sign in (1.0, -1.0)
         )
 
         across_ahead = self._across(axes, self.rate, ahead + times[:, None] * self.drive)
         across_back = (self._across(axes, rate, back + times[:, None] * self.drive) + around)[::-1]
-        across = np.minimum(np.minimum(means(across_ahead), means(across_back)), fastest[:, None])
+        across = np.minimum(np.minimum(means(across_ahead), means(across_back)), growth.fastest[:, None])
         length = width * across.sum(axis=0)
         along = axes @ turn[1:]
         swing = 2.0 * np.arctan2(np.linalg.norm(np.cross(axes, turn[1:]), axis=1), np.hypot(along, turn[0]))
@@ -202,7 +225,7 @@ class Turn:
     @staticmethod
     def _across(axes: Array, rate: Array, spread: Array) -> Array:
         """The largest |w_⊥| (n, axes) in the boxes rate ± spread (n, 3): convex, so it peaks on a corner."""
-        corners = rate + SIGNS[:, None, :] * spread
+        corners = rate + CORNERS[:, None, :] * spread
         squares = (corners**2).sum(axis=-1, keepdims=True) - (corners @ axes.T) ** 2
         largest: Array = np.sqrt(np.maximum(0.0, squares.max(axis=0)))
         return largest

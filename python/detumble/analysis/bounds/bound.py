@@ -1,4 +1,4 @@
-"""Everything that a start allows: the soonest capture, each half of it, the least Δv, and the least time to detumble.
+"""All bounds of one start: the soonest capture, each half of it, the least Δv, and the least time to detumble.
 
     translation  distance and speed alone, any real time, any control within the limits
     attitude     angle and relative rate alone, likewise
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     import os
 
 ATTEMPTS = 12
-"""Ticks tried for the soonest capture that is flown."""
+"""Ticks tried for the upper bound of the capture time."""
 
 
 BRACKETED = ("capture_time_s", "translation_s", "attitude_s", "delta_v_m_s")
@@ -55,11 +55,11 @@ ENDS = (
 
 @dataclass(frozen=True)
 class Rendezvous:
-    """Both halves of a capture, and when it is.
+    """Bounds of the capture time, and the trajectory of the upper one.
 
     Attributes:
-        lower: no capture is sooner, s; a control tick; inf when the flight is too short.
-        upper: tick of the one found, s; inf when none was.
+        lower: no capture is earlier, s; a control tick; inf when the flight is too short.
+        upper: tick of the capture found, s; inf when none was found.
         transfer: its translation.
         slew: its rotation; None where no torque limit bounds it.
     """
@@ -110,7 +110,7 @@ def bound(scenario: Scenario | str | os.PathLike[str], within: float | None = No
     """Bound what any controller can do from a scenario's nominal start.
 
     Args:
-        scenario: a scenario, or what `load` takes; no law and no noise come into it.
+        scenario: a scenario, or what `load` takes; law and noise have no effect.
         within: s, by when the Δv is asked for; None is the duration.
 
     Raises:
@@ -154,7 +154,7 @@ def time_within(pursuit: Pursuit, within: float | None) -> float:
 
 
 def _capture(pursuit: Pursuit, start: Array, translation: Bracket, attitude: AttitudeBound) -> Rendezvous:
-    # ticks tell where both halves can hold; each half by itself is bounded better at any time
+    # both halves are judged together at ticks only; each half alone has a tighter bound in continuous time
     halves = max(translation.lower, attitude.lower)
     on_tick = pursuit.time_of(ticks(halves, pursuit.period)) if math.isfinite(halves) else math.inf
     lower = max(minimum_times(pursuit, start).capture, on_tick)

@@ -1,7 +1,7 @@
-"""A simple law that turns a chaser to the debris: a first motion for those who look for a better one.
+"""A simple law that turns a chaser to the debris: an initial guess for the nonlinear programmes.
 
-It aims at the debris along the axis n of the error, φ away (or the long way round): it wants the relative rate
--n min(√(2 η a φ), φ/4h), a the largest acceleration along n, and the torque that gets there in two steps h, with the tumble's
+It aims at the debris along the axis n of the error, φ away (or the long way round): it demands the relative rate
+-n min(√(2 η a φ), φ/4h), a the largest acceleration along n, and the torque that reaches it in two steps h, with the tumble's
 own acceleration fed forward.
 """
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from detumble.analysis.bounds.pursuit import Pursuit
 
 STYLES = np.array([(way, share, scaled) for way in (1.0, -1.0) for share in (0.9, 0.5) for scaled in (1.0, 0.0)])
-"""Ways to chase: short or long way round, η, demand scaled into the limits or clipped."""
+"""Variants of the law: short or long way round, η, demand scaled into the limits or clipped."""
 
 MOST_TURN = 0.3  # rad in one integration step
 
@@ -87,7 +87,7 @@ class Chases:
         return Motion(count * self.step, self.torque[:count, style], self.attitude[kept, style], self.rate[kept, style])
 
     def arriving(self) -> Iterator[Motion]:
-        """The first to come inside the thresholds, by a thousandth of them, each way round; those that never do are left out."""
+        """The first to be inside the thresholds, by a thousandth of them, each way round; those that never are, are left out."""
         inside = self.excess < 0.999
         arrival = np.where(inside.any(axis=0), np.argmax(inside, axis=0), len(inside))
         for styles in _by_way():

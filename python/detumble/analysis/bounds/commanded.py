@@ -16,7 +16,7 @@ COMMANDS = 400  # a flight of more periods holds its commands over several of th
 def reach_at_tick(
     pursuit: Pursuit, start: Array, tick: int, goal_place: Array | None = None, goal_velocity: Array | None = None
 ) -> Transfer | None:
-    """A transfer within the thresholds at a tick and at those of the dwell before it, with room to spare, or None.
+    """A transfer within the thresholds at a tick and at those of the dwell before it, strictly, or None.
 
     Args:
         pursuit: the chase.
@@ -48,7 +48,7 @@ def reach_at_tick(
             return None
         if steering.slack < 0.0 or group == 1:
             return task.fly(period * ticks, steering.acceleration)
-        # where the control wants to switch, single periods
+        # single periods around the switching times of the control
         switches = (
             tick - Course(pursuit, start, period * tick).switches(steering.direction, period * tick, 0.0) / period
         )

@@ -1,4 +1,4 @@
-"""Certificates over whole stretches of time: what no control can do at any moment between two nodes, not just at them.
+"""Certificates over whole intervals of time: what no control can do at any time between two nodes, not only at them.
 
 For a direction d = (d_r, d_v), a threshold c, and a start with miss(t) = Φ(t) X(0) - goal(t),
 
@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from detumble.analysis.bounds.goal import Goal, Restlessness
+from detumble.analysis.bounds.goal import Goal, GoalChange
 from detumble.analysis.bounds.hcw import drift_bend, hcw, kernel_bend
 from detumble.analysis.bounds.translation import ROUND_OFF
 from detumble.quaternions import Array
@@ -44,28 +44,28 @@ def _nodes(mean_motion: float, until: float, cells: int) -> tuple[Array, Array]:
 
 
 class Course:
-    """One start against its goal over a stretch of time.
+    """One start and its goal over an interval of time.
 
     Args:
         pursuit: the chase.
         start: (20,) as `start_of` lays it out.
-        until: end of the stretch, s, more than 0.
+        until: end of the interval, s, more than 0.
         cells: that it is divided into, or more where the orbit or the debris turns fast.
 
     Attributes:
         times: (k + 1,) s, even until cells are split.
-        miss: (k + 1, 6) what free drift leaves to the goal, m and m/s.
+        miss: (k + 1, 6) free drift less the goal, m and m/s.
         inside: (k + 1,) whether free drift is within the thresholds.
-        timed: whether a speed threshold counts.
+        timed: whether there is a speed threshold.
     """
 
     def __init__(self, pursuit: Pursuit, start: Array, until: float, cells: int = 256) -> None:
-        restless = Restlessness.of(pursuit, start[17:20])
-        n, turned = pursuit.mean_motion, until * max(pursuit.mean_motion / ORBIT_ANGLE, restless.spin / DEBRIS_ANGLE)
+        goal_change = GoalChange.of(pursuit, start[17:20])
+        n, turned = pursuit.mean_motion, until * max(pursuit.mean_motion / ORBIT_ANGLE, goal_change.spin / DEBRIS_ANGLE)
         cells = max(cells, int(np.ceil(turned)))
         self.pursuit, self.start = pursuit, start
         self.mean_motion, self.acceleration, self.bounded = n, pursuit.acceleration, pursuit.reach.bounded
-        self.drift_bend, self.restless = drift_bend(n, start[:6]), restless
+        self.drift_bend, self.goal_change = drift_bend(n, start[:6]), goal_change
         self.timed = bool(np.isfinite(pursuit.speed))
         drift, kernel = _nodes(n, until, cells)
         goal = Goal.between(pursuit, start[13:20], 0.0, until, cells)
@@ -87,7 +87,7 @@ class Course:
         self.slack_velocity = ROUND_OFF * (1.0 + velocity + self.speed)
 
     def split(self, cell: int, parts: int) -> None:
-        """Put nodes into a cell, so that it becomes `parts` cells."""
+        """Insert nodes into a cell, so that it becomes `parts` cells."""
         first, last = float(self.times[cell]), float(self.times[cell + 1])
         times = np.linspace(first, last, parts + 1)[1:-1]
         drift, kernel, _ = hcw(self.mean_motion, times)
@@ -130,9 +130,9 @@ class Course:
         value -= turn * (self.radius + self.slack_position) + pace * (self.speed + self.slack_velocity)
 
         slope = np.where(active, np.abs(change) / h + bend * h, 0.0)
-        drifting = np.abs(d) @ self.drift_bend + turn * self.restless.place + pace * self.restless.velocity
+        drifting = np.abs(d) @ self.drift_bend + turn * self.goal_change.place + pace * self.goal_change.velocity
         h = h[:, 0]
-        sag = (drifting + (slope * limit).sum(axis=1)) * (h * h / 8.0) + pace * self.restless.speed * (0.5 * h)
+        sag = (drifting + (slope * limit).sum(axis=1)) * (h * h / 8.0) + pace * self.goal_change.speed * (0.5 * h)
         low_left, low_right = value[:-1] - sag, value[1:] - sag
         if threshold > 0.0 and free.any():
             forbidden = np.logical_or.accumulate((peak[:, free] > threshold).any(axis=1))
@@ -140,14 +140,14 @@ class Course:
         return low_left, low_right
 
     def cell(self, time: float) -> int:
-        """The cell that ends at a time or holds it."""
+        """The index of the cell that ends at a time or contains it."""
         return max(0, int(np.searchsorted(self.times, time)) - 1)
 
     def value(self, direction: Array, time: float) -> float:
         """The certificate of Δv, m/s, at a time that is a node."""
-        return float(self.certificate(self.priced(direction, time), 1.0)[1][self.cell(time)])
+        return float(self.certificate(self.scaled(direction, time), 1.0)[1][self.cell(time)])
 
-    def priced(self, direction: Array, time: float) -> Array:
+    def scaled(self, direction: Array, time: float) -> Array:
         """The direction scaled down until |d · K_j| ≤ 1 on axes without limit, up to a time, s."""
         free = np.isinf(self.acceleration)
         if not free.any():
@@ -157,7 +157,7 @@ class Course:
         return direction / max(1.0, (1.0 + 1e-12) * float((np.abs(f) + bend).max()))
 
     def impossible_until(self, direction: Array, time: float) -> float:
-        """The end, s, of the stretch from `time` on that d proves impossible; `time` itself if d proves nothing there."""
+        """The end, s, of the interval from `time` on that d proves impossible; `time` itself if d proves nothing there."""
         left, right = self.certificate(direction, 0.0)
         cell = int(np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, len(left) - 1))
         share = float(np.clip((time - self.times[cell]) / (self.times[cell + 1] - self.times[cell]), 0.0, 1.0))
@@ -172,7 +172,7 @@ class Course:
         return begin + (1.0 - 1e-9) * (end - begin) * float(left[last] / (left[last] - right[last]))
 
     def switches(self, direction: Array, until: float, threshold: float) -> Array:
-        """Times s before capture at `until`, s, at which some |d · K_j(s)| passes the threshold, nearly; any order."""
+        """Times s before capture at `until`, s, at which some |d · K_j(s)| crosses the threshold, approximately; unordered."""
         last = int(np.searchsorted(self.times, until)) + 1
         f = np.einsum("kjs,s->kj", self.kernel[: last + 1], direction)
         found = [_crossings(self.times[: last + 1], f - level) for level in {threshold, -threshold}]

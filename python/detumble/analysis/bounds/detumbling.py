@@ -1,8 +1,8 @@
 """The least time from capture until the stack is settled: lower bounds for every controller, before capture and after it.
 
 Settled means within an angle of H and a rate relative to H, so |w| < e = n + rate there. The stack has moments J₁ ≤ J₂ ≤ J₃,
-momentum h and the chaser's torque limits; symbols and relaxations are those of `turn`. From a rate w at capture, and a turn
-of α left to do, it takes at least
+momentum h and the chaser's torque limits; symbols and relaxations are those of `turn`. From a rate w at capture, with a turn
+of α still to be made, it takes at least
 
     momentum    (|h| - J₃ e) / ‖limit‖
     energy      (√(wᵀ I w) - √J₃ e) / max ‖I^(-1/2) τ‖
@@ -10,7 +10,7 @@ of α left to do, it takes at least
 
 r = √(A/c). The last is about u = |w| + n, which bounds the rate against H, for H turns too: |u'| ≤ A + c|w|² ≤ A + c u². It is
 how long it takes to turn by α when u rises from u₀ = |w| + n to p and falls to u₁ = e + n as fast as that allows (∫u dt from
-u₀ to p is ln((1 + p²/r²)/(1 + u₀²/r²)) / 2c); it says nothing while p would be less than u₀ or u₁.
+u₀ to p is ln((1 + p²/r²)/(1 + u₀²/r²)) / 2c); it gives no bound where p would be less than u₀ or u₁.
 
 Any capture (`lower`): the chaser is within θ of the debris, its rate within a threshold of w_D, at any time of the flight:
 
@@ -22,7 +22,7 @@ Any capture (`lower`): the chaser is within θ of the debris, its rate within a 
 
 since Rᵀ I R - I = Rᵀ[I - m, R - 1] for any multiple m of the identity. The arm d ends at the goal, or where the thresholds let
 it end; its rate d' in non-rotating axes is at most the speed threshold beyond the goal's own, plus n|d|. Without a speed
-threshold the orbital term may cancel the tumble, and the bound is 0: some capture leaves nothing to do.
+threshold the orbital term may cancel the tumble, and the bound is 0: some capture leaves the stack at rest.
 
 From the matched capture (`matched`): chaser on the goal, moving and turning with it, axes aligned. Informative, no bound: a
 capture that is off in the right direction needs less.
@@ -30,7 +30,6 @@ capture that is off in the right direction needs less.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -40,11 +39,8 @@ import numpy as np
 
 from detumble.analysis.bounds.pursuit import Pursuit, start_of
 from detumble.analysis.bounds.tumble import tumble
-from detumble.analysis.bounds.turn import Agility
+from detumble.analysis.bounds.turn import CORNERS, REGULARISATION, Agility
 from detumble.quaternions import Array, conjugate, multiply, rotate, rotation_angle
-
-CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
-EVER_SO_LITTLE = 1e-12  # more acceleration and growth than there is, so that neither is zero
 
 
 @dataclass(frozen=True)
@@ -109,7 +105,7 @@ def largest_moment(case: Mapping[str, Any]) -> float:
 
 
 def _lower(case: Mapping[str, Any], pursuit: Pursuit, rates: Array, left: Array, slowest: float) -> float:
-    """The least over all captures, each tick standing for half a period before and after."""
+    """The least time over all captures, each tick representing half a period before and after it."""
     tumbling = Agility.of(pursuit.debris_inertia, np.zeros(3))
     speed, fastest = np.linalg.norm(rates, axis=1), tumbling.fastest_free(rates[0])
     half = 0.5 * pursuit.period
@@ -125,9 +121,8 @@ def _lower(case: Mapping[str, Any], pursuit: Pursuit, rates: Array, left: Array,
             math.sqrt(moments[0]) * least,
             np.sqrt(np.einsum("ti,ij,tj->t", rates, stack, rates)) - math.sqrt(moments[2]) * around,
         )
-        turning = most + pursuit.mean_motion, slowest + pursuit.mean_motion
-        times = _quickest(stack[None], pursuit.torque, momentum, energy, slowest, still_left, turning)
-        return float(times.min())
+        captured = _Stack(stack[None], momentum, energy, most, still_left)
+        return float(_quickest(pursuit, captured, slowest).min())
     if not math.isfinite(pursuit.speed):
         return 0.0
     chaser = np.linalg.eigvalsh(pursuit.chaser_inertia)
@@ -142,7 +137,7 @@ def _lower(case: Mapping[str, Any], pursuit: Pursuit, rates: Array, left: Array,
 def _matched(
     case: Mapping[str, Any], pursuit: Pursuit, against_lvlh: Array, rates: Array, left: Array, slowest: float
 ) -> float:
-    """The least over the ticks, the chaser being where and how the debris would have it."""
+    """The least time over the ticks, for a chaser at the goal, aligned and moving with it."""
     inertia = (pursuit.chaser_inertia + pursuit.debris_inertia)[None]
     momentum = rates @ inertia[0]
     if case["plan"]["transition"] == "momentum_conserving":
@@ -158,49 +153,50 @@ def _matched(
         momentum = momentum + mass * np.cross(arm, across)
     spin = np.linalg.solve(inertia, momentum[:, :, None])[..., 0]
     energy = np.sqrt((spin * momentum).sum(axis=1))
-    turning = np.linalg.norm(spin, axis=1) + pursuit.mean_motion, slowest + pursuit.mean_motion
-    times = _quickest(inertia, pursuit.torque, np.linalg.norm(momentum, axis=1), energy, slowest, left, turning)
-    return float(times.min())
+    captured = _Stack(inertia, np.linalg.norm(momentum, axis=1), energy, np.linalg.norm(spin, axis=1), left)
+    return float(_quickest(pursuit, captured, slowest).min())
 
 
-def _quickest(
-    inertia: Array,
-    torque: Array,
-    momentum: Array,
-    energy: Array,
-    slowest: float,
-    left: Array,
-    turning: tuple[Array, float],
-) -> Array:
-    """Lower bounds (n,) of the time to settle.
+@dataclass(frozen=True)
+class _Stack:
+    """A stack at n possible captures.
 
-    Args:
+    Attributes:
         inertia: (n, 3, 3) kg m², or one for all.
-        torque: (3,) limits, N m.
         momentum: (n,) |h| or less, N m s.
         energy: (n,) √(wᵀ I w) or less.
-        slowest: |w| allowed at the end, rad/s.
+        rate: (n,) |w| or more, rad/s.
         left: (n,) rad still to be turned against H, or less.
-        turning: rad/s against H, or more, at first (n,) and at the end.
     """
+
+    inertia: Array
+    momentum: Array
+    energy: Array
+    rate: Array
+    left: Array
+
+
+def _quickest(pursuit: Pursuit, stack: _Stack, slowest: float) -> Array:
+    """Lower bounds (n,) of the time to settle, s, down to |w| ≤ slowest, rad/s."""
+    torque, inertia, left = pursuit.torque, stack.inertia, stack.left
     if not np.isfinite(torque).all():
-        return np.zeros(len(momentum))
+        return np.zeros(len(left))
     moments = np.linalg.eigvalsh(inertia)
     j1, j2, j3 = moments.T
     corners = CORNERS * torque
     spun = np.linalg.solve(inertia, np.broadcast_to(corners.T, (len(inertia), 3, 8)))
-    direct = np.linalg.norm(spun, axis=1).max(axis=1) + EVER_SO_LITTLE
+    direct = np.linalg.norm(spun, axis=1).max(axis=1) + REGULARISATION
     product = np.abs((j1 - j2) * (j2 - j3) * (j3 - j1)) / (j1 * j2 * j3)
-    growth = product / (3.0 * math.sqrt(3.0)) + EVER_SO_LITTLE
-    by_momentum = (momentum - j3 * slowest) / np.linalg.norm(torque)
-    by_energy = (energy - np.sqrt(j3) * slowest) / np.sqrt(np.einsum("ci,nic->nc", corners, spun).max(axis=1))
+    growth = product / (3.0 * math.sqrt(3.0)) + REGULARISATION
+    by_momentum = (stack.momentum - j3 * slowest) / np.linalg.norm(torque)
+    by_energy = (stack.energy - np.sqrt(j3) * slowest) / np.sqrt(np.einsum("ci,nic->nc", corners, spun).max(axis=1))
     scale, pace = np.sqrt(direct / growth), np.sqrt(direct * growth)
-    first, last = ((rate / scale) ** 2 for rate in turning)
+    first, last = (((rate + pursuit.mean_motion) / scale) ** 2 for rate in (stack.rate, slowest))
     # p²/r², written without the difference of numbers near 1
     peak = np.expm1(0.5 * (np.log1p(first) + np.log1p(last)) + growth * np.maximum(0.0, left))
     turned = (2.0 * np.arctan(np.sqrt(peak)) - np.arctan(np.sqrt(first)) - np.arctan(np.sqrt(last))) / pace
     counts = (left > 0.0) & (peak > np.maximum(first, last))
-    least: Array = np.maximum.reduce((by_momentum, by_energy, np.where(counts, turned, 0.0), np.zeros(len(momentum))))
+    least: Array = np.maximum.reduce((by_momentum, by_energy, np.where(counts, turned, 0.0), np.zeros(len(left))))
     return least
 
 

@@ -2,8 +2,8 @@
 
 A tick is excluded when a certificate proves that some threshold cannot hold there: a separating direction for
 position (and speed, if asked for), in `translation`, or a relaxation of the rotation, in `turn`. Ticks are certified
-one after another from t = 0: what is reachable at one time need not be reachable later, so nothing is skipped or
-bisected. With a dwell, every tick of it must be open.
+one after another from t = 0: what is reachable at one time need not be reachable later, so no tick is skipped and there is no
+bisection. With a dwell, every tick of it must be open.
 
 The answer is a lower bound for any law, with or without noise, on the plant of SPEC: HCW, rigid bodies, torque-free
 debris, ideal actuators limited per axis (a vector scaled into the box is in the box). Certificates must hold with a
@@ -29,7 +29,7 @@ from detumble.quaternions import Array
 if TYPE_CHECKING:
     from detumble.scenario.model import Scenario
 
-FIRST_HORIZON = 256  # ticks looked at before more are
+FIRST_HORIZON = 256  # ticks examined first
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def minimum_times(pursuit: Pursuit, start: Array) -> MinimumTimes:
 
 
 class _Chase:
-    """One start: finds the ticks that no certificate excludes, looking no farther ahead than it must."""
+    """One start: finds the ticks that no certificate excludes, with a horizon that grows on demand."""
 
     def __init__(self, pursuit: Pursuit, start: Array) -> None:
         self.pursuit = pursuit
@@ -140,12 +140,7 @@ class _Chase:
 
     def _close(self, ticks: int) -> None:
         """Judge the attitude of all ticks up to this one."""
-        pursuit, first = self.pursuit, len(self.closed)
-        attitudes, rates = self._tumble(ticks)
-        shut = excluded(
-            pursuit.agility, self.attitude, self.rate, attitudes, rates,
-            first=first, period=pursuit.period, angle=pursuit.angle, rate_error=pursuit.rate,
-        )  # fmt: skip
+        shut = excluded(self.pursuit, self.attitude, self.rate, *self._tumble(ticks), first=len(self.closed))
         self.closed = np.concatenate((self.closed, shut))
 
     def _approach(self, ticks: int) -> Approach:

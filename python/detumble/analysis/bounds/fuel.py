@@ -2,8 +2,8 @@
 
 Δv = Σ over axes of ∫ |u| dt. Capture may come at any t ≤ T, so the lower bound must hold for all of them: it is the least, over
 the cells of [0, T], of the best certificate known there (`course`, threshold 1). Each convex programme at some t (`transfer`)
-gives a direction that is tight near t, and a transfer whose Δv bounds the answer from above; the next t is the cell where the
-proof is weakest, until the two meet: outer approximation, as in Kelley 1960, with one programme a cut.
+gives a direction that is tight near t, and a transfer whose Δv bounds the answer from above; the next t is the cell of the
+lowest bound, until the two agree: outer approximation, as in Kelley 1960, with one programme a cut.
 
 With a dwell the thresholds must hold from T - dwell on, so the lower bound looks at t ≤ T - dwell.
 """
@@ -23,15 +23,15 @@ from detumble.analysis.bounds.transfer import Bracket, Task, Transfer, pieces
 from detumble.quaternions import Array
 
 CLOSE = 1e-3  # relative gap at which the search ends
-CUTS = 200  # programmes at most; the bounds hold wherever it stops
+CUTS = 200  # programmes at most; the bounds hold wherever the search stops
 REFINEMENTS = 4  # times that the pieces of a control are put where it switches
 MARKS = 12  # earlier switching times kept
 FINE, COARSE = 512, 192  # cells to start with
 PARTS = 8  # that a cell is split into
 NARROW = 1e-7  # cells narrower than this share of the time are left alone
-LONG = 24  # cells of a stretch that is halved
+LONG = 24  # cells of a run that is halved
 COASTS = 16  # moments of free drift tried
-FLOOR = 1e-9  # m/s: below it, a Δv is as good as none
+FLOOR = 1e-9  # m/s: a smaller Δv counts as none
 
 
 def delta_v_bound(pursuit: Pursuit, start: Array, within: float) -> Bracket:
@@ -46,7 +46,7 @@ def delta_v_bound(pursuit: Pursuit, start: Array, within: float) -> Bracket:
         Bracket in m/s; inf when no control can capture in that time. `upper` aims at the
         aligned goal when there are grasp points.
     """
-    return _bracket(pursuit, start, within, CLOSE, flown=True)
+    return _bracket(pursuit, start, within, CLOSE, verified=True)
 
 
 def delta_v_lower(pursuit: Pursuit, start: Array, within: float, close: float = 0.015) -> float:
@@ -58,19 +58,19 @@ def delta_v_lower(pursuit: Pursuit, start: Array, within: float, close: float = 
         within: s.
         close: relative gap at which the search ends.
     """
-    return _bracket(pursuit, start, within, close, flown=False).lower
+    return _bracket(pursuit, start, within, close, verified=False).lower
 
 
-def _bracket(pursuit: Pursuit, start: Array, within: float, close: float, flown: bool) -> Bracket:
+def _bracket(pursuit: Pursuit, start: Array, within: float, close: float, verified: bool) -> Bracket:
     dwell = pursuit.dwell_ticks * pursuit.period
     horizon = within - dwell
     if horizon <= 0.0:
         inside = horizon == 0.0 and Course(pursuit, start, pursuit.period).inside[0]
         return Bracket(0.0 if inside else math.inf, math.inf, None)
-    course = Course(pursuit, start, horizon, FINE if flown else COARSE)
+    course = Course(pursuit, start, horizon, FINE if verified else COARSE)
     if course.inside.any() and (coast := _coast(pursuit, start, course)) is not None:
         return Bracket(0.0, 0.0, coast)
-    proof, search = _Proof(course), _Search(pursuit, start, course, close, flown)
+    proof, search = _Proof(course), _Search(pursuit, start, course, close, verified)
     time: float | None = horizon
     for _ in range(CUTS):
         if time is None or (direction := search.cut(time, proof.near(time))) is None:
@@ -110,9 +110,9 @@ class _Proof:
         self._use(direction, time)
 
     def next_time(self, wanted: float) -> float | None:
-        """When to look for a direction, s; None when the proof is as `wanted`, or cells are as narrow as they shall be.
+        """The next time at which to solve for a direction, s; None when the proof is as `wanted`, or cells are narrow enough.
 
-        On the way, cells are helped by what costs less: directions between those found before and after, and narrower cells.
+        Before that, cheaper improvements are tried: directions interpolated between those found, and narrower cells.
         """
         while self.lower < wanted:
             cell = int(np.argmin(self.value))
@@ -130,10 +130,10 @@ class _Proof:
         return None
 
     def _ends(self, cell: int, open_cells: NDArray[np.bool_]) -> list[float]:
-        """Times worth a direction in the stretch of open cells about one of them, s, the best first.
+        """Candidate times for a direction in the run of open cells around one of them, s, the best first.
 
-        A certificate is a tangent to the true curve: it serves uphill from where it touches, and no valley may be missed. So
-        long stretches are halved, and short ones taken from the end beside what is proved.
+        A certificate is a tangent of the true curve, valid in the direction in which the curve rises, and no local minimum may
+        be missed. So long runs are halved, and short ones are extended from the end beside the cells that are proved.
         """
         proved = np.flatnonzero(~open_cells)
         first = int(proved[proved < cell].max(initial=-1)) + 1
@@ -150,7 +150,7 @@ class _Proof:
             self._use((1.0 - share) * self.found[at - 1] + share * self.found[at], time)
 
     def _use(self, direction: Array, time: float) -> None:
-        self.directions.append(self.course.priced(direction, time))
+        self.directions.append(self.course.scaled(direction, time))
         self._judge(len(self.directions) - 1)
 
     def _split(self, cell: int) -> None:
@@ -179,15 +179,15 @@ def _coast(pursuit: Pursuit, start: Array, course: Course) -> Transfer | None:
 
 
 class _Search:
-    """What capture at single moments costs.
+    """The Δv of captures at single times.
 
     Attributes:
-        upper: the least Δv met so far, m/s; of a flown transfer, or only of a programme.
+        upper: the least Δv so far, m/s; of a verified transfer, or only of a programme.
         best: the transfer.
     """
 
-    def __init__(self, pursuit: Pursuit, start: Array, course: Course, close: float, flown: bool) -> None:
-        self.pursuit, self.start, self.course, self.close, self.flown = pursuit, start, course, close, flown
+    def __init__(self, pursuit: Pursuit, start: Array, course: Course, close: float, verified: bool) -> None:
+        self.pursuit, self.start, self.course, self.close, self.verified = pursuit, start, course, close, verified
         self.upper = math.inf
         self.best: Transfer | None = None
 
@@ -197,7 +197,7 @@ class _Search:
         return self.upper if math.isinf(self.upper) else self.upper - max(self.close * self.upper, FLOOR)
 
     def cut(self, time: float, near: Array | None) -> Array | None:
-        """A direction that is tight at a time, s; `near` is one for times nearby, which tells where the control may switch."""
+        """A direction that is tight at a time, s; `near` is one for a nearby time, which gives approximate switching times."""
         course, task = self.course, Task.at(self.pursuit, self.start, time)
         direction, proved = near, -math.inf
         marks = np.empty(0)
@@ -213,7 +213,7 @@ class _Search:
             if value >= min((1.0 - 0.25 * self.close) * steering.cost, self.upper):
                 break
         if steering is not None and steering.slack <= 1e-6 * self.pursuit.distance and proved < self.upper:
-            if self.flown:
+            if self.verified:
                 self._fly(time, direction, marks, proved)
             else:
                 self.upper = min(self.upper, steering.cost)

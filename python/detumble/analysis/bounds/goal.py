@@ -1,4 +1,4 @@
-"""Where the chaser must be, and how fast it may move there: the goal of a chase at given times.
+"""The goal at given times: where the chaser must be, and how fast it may move there.
 
 Without grasp points the goal is a fixed place in H, at rest. With them it is R_HD p_D - R_HC p_C, which depends on the chaser's
 attitude. At capture that is within the angle threshold θ of the debris', R_HC = R_HD δR, |δR p - p| ≤ 2 sin(θ/2) |p|, so
@@ -48,7 +48,7 @@ class Goal:
             pursuit: the chase.
             times: s.
             tumbling: the debris' attitudes (k, 4) and rates (k, 3) then, as `tumble` gives them; unused without grasp points.
-            aligned: the chaser's attitude is the debris', so nothing need be widened.
+            aligned: the chaser's attitude is the debris', so no threshold is widened.
         """
         state, speed, radius = np.zeros((len(times), 6)), np.full(len(times), pursuit.speed), pursuit.distance
         if pursuit.grasp_points is None or tumbling is None:
@@ -94,8 +94,8 @@ def _arm(pursuit: Pursuit) -> tuple[Array, float]:
 
 
 @dataclass(frozen=True)
-class Restlessness:
-    """How much a goal can change, upper bounds for all times.
+class GoalChange:
+    """Rates of change of a goal, upper bounds for all times.
 
     Attributes:
         spin: |Ω_D|, rad/s.
@@ -110,7 +110,7 @@ class Restlessness:
     speed: float
 
     @classmethod
-    def of(cls, pursuit: Pursuit, rate: Array) -> Restlessness:
+    def of(cls, pursuit: Pursuit, rate: Array) -> GoalChange:
         """From the debris' rate (3,) rad/s at t = 0, its own axes.
 
         |w| ≤ √(wᵀ I w / J₁) and |I w| / J₁, both constant. In H, with b of `turn`, |w'| ≤ b |w|² and

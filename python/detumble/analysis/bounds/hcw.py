@@ -1,4 +1,4 @@
-"""Hill-Clohessy-Wiltshire motion in closed form: free drift, response to acceleration, and how fast both can bend.
+"""Hill-Clohessy-Wiltshire motion in closed form: free drift, response to acceleration, bounds of second derivatives.
 
 State X = (r, v) in H, acceleration u(t) held or varying in H axes:
 

@@ -1,4 +1,4 @@
-"""What a chase is, apart from its start: limits, bodies, goal and thresholds, as the bounds need them."""
+"""The data of a pursuit apart from its start: limits, bodies, goal and thresholds, as the bounds need them."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ class Pursuit:
 
     @cached_property
     def agility(self) -> Agility:
-        """What the torque limits do to the chaser's rate."""
+        """Bounds of the chaser's rate under the torque limits."""
         return Agility.of(self.chaser_inertia, self.torque)
 
 

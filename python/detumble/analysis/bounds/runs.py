@@ -1,8 +1,8 @@
 """The bound of every run of a campaign: its own start, bodies, limits and thresholds, as drawn.
 
 The bound depends on nothing that a law does, so one table serves every law that flies these runs. Runs that were drawn
-alike share one bound. Many are dealt out to further processes of this Python, which talk in lines of JSON: a float
-written by Python reads back to the bit, so the answer does not depend on how many there are.
+alike share one bound. Many are distributed over further processes of this Python, which exchange lines of JSON: a float
+written by Python reads back to the bit, so the result does not depend on the number of processes.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ CHASE = (
     "capture.",
     "actuators.",
 )
-"""Beginnings of the paths of the core that matter until capture: not sensors, beliefs, gains, or the target's mass."""
+"""Prefixes of the core's paths that matter until capture: not sensors, beliefs, gains, or the target's mass."""
 STACK = (*CHASE, "debris.mass", "settled.")
-"""And after it."""
-DEALT = {"capture": 64, "delta_v": 4, "all": 1}
-"""Runs dealt out at a time, some tenths of a second of work."""
+"""Prefixes of the core's paths that matter to the stack."""
+CHUNK = {"capture": 64, "delta_v": 4, "all": 1}
+"""Runs in one message to a process, some tenths of a second of work."""
 FEW = 16
-"""Up to so many times that, runs are sooner bounded here than processes have started."""
+"""Up to so many messages are bounded in this process: starting others would take longer."""
 _WORKER = "from detumble.analysis.bounds.runs import serve; serve()"
 
 
@@ -60,8 +60,8 @@ def capture_bounds(
 
     Args:
         trials: the runs; their horizon and change hold here too.
-        processes: to share the work; None for one on each processor. The answer is the same.
-        progress: called now and then with the number of runs done; an exception that it raises ends the work.
+        processes: to share the work; None for one on each processor. The result is the same.
+        progress: called repeatedly with the number of runs done; an exception that it raises ends the work.
 
     Returns:
         (runs,) s: no capture can come earlier (`analysis.bounds.earliest`); inf where none can come at all.
@@ -69,7 +69,7 @@ def capture_bounds(
     Raises:
         ScenarioError: the scenario cannot be flown.
     """
-    return _asked("capture", trials, np.empty((trials.count, 0)), processes, progress)[:, 0]
+    return _bounds("capture", trials, np.empty((trials.count, 0)), processes, progress)[:, 0]
 
 
 def delta_v_bounds(
@@ -83,7 +83,7 @@ def delta_v_bounds(
 
     Args:
         trials: the runs.
-        within: (k, runs) s: until when each shall have captured; k times are asked of each start.
+        within: (k, runs) s: until when each shall have captured; k times for each start.
         processes: as for `capture_bounds`.
         progress: likewise; it counts questions.
 
@@ -94,7 +94,7 @@ def delta_v_bounds(
         ScenarioError: the scenario cannot be flown.
     """
     times = within.reshape(-1, 1)
-    found = _asked("delta_v", trials, np.where(np.isfinite(times), times, np.nan), processes, progress)
+    found = _bounds("delta_v", trials, np.where(np.isfinite(times), times, np.nan), processes, progress)
     of_runs: Array = found.reshape(within.shape)
     return of_runs
 
@@ -121,8 +121,8 @@ def all_bounds(
         ScenarioError: the scenario cannot be flown.
         RequestError: CasADi is not installed.
     """
-    shooting.casadi()  # say so here, not in a worker
-    found = _asked("all", trials, np.full((trials.count, 1), within), processes, progress, STACK)
+    shooting.casadi()  # raises here, not in a worker
+    found = _bounds("all", trials, np.full((trials.count, 1), within), processes, progress, STACK)
     return dict(zip(ENDS, found.T, strict=True))
 
 
@@ -150,7 +150,7 @@ def settling_bounds(trials: Trials, momentum: Array) -> Array:
     return detumble_lower(momentum, torque[own], moment[own], rate[own])
 
 
-def _asked(
+def _bounds(
     question: str,
     trials: Trials,
     further: Array,
@@ -158,19 +158,19 @@ def _asked(
     progress: Callable[[int], None] | None,
     matters: tuple[str, ...] = CHASE,
 ) -> Array:
-    """Put a question to each run, with further numbers (k runs, m): k times to run 0, 1, …; a row of answers for each."""
+    """Bound each run, with further numbers (k runs, m): k times for run 0, 1, …; a row of results for each."""
     nominal, columns = trials.nominal("none"), _columns(trials, matters)
     widths = {path: values.shape[1] for path, values in columns.items()}
     fields = np.hstack([*columns.values(), np.empty((trials.count, 0))])
     table = np.hstack([np.tile(fields, (len(further) // trials.count, 1)), further])
     rows, members, sizes = np.unique(table, axis=0, return_inverse=True, return_counts=True)
-    dealt = DEALT[question]
-    chunks = [slice(first, min(first + dealt, len(rows))) for first in range(0, len(rows), dealt)]
+    size = CHUNK[question]
+    chunks = [slice(first, min(first + size, len(rows))) for first in range(0, len(rows), size)]
     workers = 1 if len(chunks) <= FEW else min(processes or available_threads(), len(chunks))
     answers: list[Array] = []
     done = 0
-    with _Crew(_Job(question, nominal, widths), workers) as crew:
-        for chunk, found in zip(chunks, crew.map([rows[chunk] for chunk in chunks]), strict=True):
+    with _Pool(_Job(question, nominal, widths), workers) as pool:
+        for chunk, found in zip(chunks, pool.map([rows[chunk] for chunk in chunks]), strict=True):
             answers.append(found)
             done += int(sizes[chunk].sum())
             if progress:
@@ -180,7 +180,7 @@ def _asked(
 
 
 def _columns(trials: Trials, matters: tuple[str, ...]) -> dict[str, Array]:
-    """What differs from run to run and matters to a bound."""
+    """The inputs that differ from run to run and matter to a bound."""
     return {path: values for path, values in trials.columns("none").items() if path.startswith(matters)}
 
 
@@ -224,16 +224,16 @@ class _Job:
                 return list(bound_of(plain, float(row[-1])).ends().values())
 
 
-class _Crew:
-    """Bounds chunks of runs, in this process or by several others; in `with`, at whose end they are gone.
+class _Pool:
+    """Bounds chunks of runs, in this process or in several others; in `with`, at whose end they are killed.
 
     A pool of multiprocessing would import the user's main module anew in each worker, and with it do all that an unguarded
     script does.
     """
 
     def __init__(self, job: _Job, workers: int) -> None:
-        self._alone = job.answers
-        self._over = False
+        self._answers = job.answers
+        self._closed = False
         self._threads = ThreadPoolExecutor(workers)
         self._workers: list[subprocess.Popen[str]] = []
         if workers > 1:
@@ -245,33 +245,33 @@ class _Crew:
                         stdin=subprocess.PIPE,
                         stdout=subprocess.PIPE,
                         text=True,
-                        start_new_session=True,  # Ctrl-C is for whoever asks, also while a worker begins
+                        start_new_session=True,  # Ctrl-C reaches this process only, also while a worker starts
                     )
                 )
-                with suppress(OSError):  # one that did not come to life is met again when it is asked
-                    _tell(self._workers[-1], json.dumps(asdict(job)))
+                with suppress(OSError):  # a worker that failed to start is found out at its first request
+                    _send(self._workers[-1], json.dumps(asdict(job)))
         self._idle = list(self._workers)
 
     def map(self, chunks: Sequence[Array]) -> Iterator[Array]:
         """Give the bounds of each chunk, in order."""
-        return self._threads.map(self._ask, chunks) if self._workers else map(self._alone, chunks)
+        return self._threads.map(self._request, chunks) if self._workers else map(self._answers, chunks)
 
-    def _ask(self, rows: Array) -> Array:
-        worker = self._idle.pop()  # there are as many as threads
+    def _request(self, rows: Array) -> Array:
+        worker = self._idle.pop()  # there is one for each thread
         answer = ""
         with suppress(OSError):
-            answer = _tell(worker, json.dumps(rows.tolist()), answered=True)
+            answer = _send(worker, json.dumps(rows.tolist()), answered=True)
         self._idle.append(worker)
-        if self._over:
+        if self._closed:
             raise CancelledError
-        # without an answer it is gone: killed, or this is no Python that can be started again
-        return np.array(json.loads(answer)) if answer.endswith("\n") else self._alone(rows)
+        # without an answer the worker has ended: killed, or this Python cannot be started again
+        return np.array(json.loads(answer)) if answer.endswith("\n") else self._answers(rows)
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._over = True
+        self._closed = True
         for worker in self._workers:
             worker.kill()
         self._threads.shutdown(cancel_futures=True)
@@ -280,7 +280,7 @@ class _Crew:
                 pass
 
 
-def _tell(worker: subprocess.Popen[str], line: str, *, answered: bool = False) -> str:
+def _send(worker: subprocess.Popen[str], line: str, *, answered: bool = False) -> str:
     assert worker.stdin is not None
     assert worker.stdout is not None
     worker.stdin.write(line + "\n")
@@ -289,9 +289,9 @@ def _tell(worker: subprocess.Popen[str], line: str, *, answered: bool = False) -
 
 
 def serve() -> None:
-    """Bound what is asked for, a line of JSON at a time, until nobody asks any more."""
+    """Bound runs from standard input, a line of JSON at a time, until its end."""
     line = sys.stdin.readline()
-    if not line.endswith("\n"):  # whoever asked is gone
+    if not line.endswith("\n"):  # the parent has ended
         return
     job = _Job(**json.loads(line))
     for line in sys.stdin:

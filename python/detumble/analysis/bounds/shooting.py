@@ -7,13 +7,14 @@ together (Bock & Plitt, IFAC 1984). Two programmes, each built once:
                                              cubic splines through its tumble
     on time     min slack + small effort     intervals as given, thresholds widened by the slack at chosen nodes
 
-Angle: (q_C · q_D)² ≥ cos²(θ/2), blind to the signs of quaternions. Rate: |w_C - R w_D|² ≤ rate². Nothing here is trusted:
-whoever calls flies the torques again. IPOPT stops after a number of iterations, not of seconds, so that its answer is the
+Angle: (q_C · q_D)² ≥ cos²(θ/2), independent of the signs of quaternions. Rate: |w_C - R w_D|² ≤ rate². Solutions are not verified
+here: the callers integrate the torques again. IPOPT stops after a number of iterations, not of seconds, so that its answer is the
 same everywhere.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -45,22 +46,38 @@ def casadi() -> Any:
     return casadi
 
 
-def soonest(
-    inertia: Array,
-    limit: Array,
-    angle: float,
-    rate: float,
-    horizon: float,
-    tumbling: tuple[Array, Array],
-    guess: Motion,
-) -> Motion:
-    """Look for the shortest slew near a guess.
+@dataclass(frozen=True)
+class SlewTask:
+    """What a slew must do, and with what.
 
-    Args:
+    Attributes:
         inertia: (3, 3) kg m².
         limit: (3,) N m, finite.
         angle: threshold, rad.
         rate: threshold, rad/s.
+    """
+
+    inertia: Array
+    limit: Array
+    angle: float
+    rate: float
+
+    @property
+    def body(self) -> tuple[Any, Any, Any]:
+        """Values of the parameters that `_body` declares."""
+        return self.inertia.ravel(), np.linalg.inv(self.inertia).ravel(), self.limit
+
+    @property
+    def thresholds(self) -> Array:
+        """cos²(θ/2) and the rate, (2,)."""
+        return np.array([np.cos(0.5 * min(self.angle, np.pi)) ** 2, self.rate])
+
+
+def soonest(task: SlewTask, horizon: float, tumbling: tuple[Array, Array], guess: Motion) -> Motion:
+    """Look for the shortest slew near a guess.
+
+    Args:
+        task: body, limits and thresholds.
         horizon: s, the longest time allowed.
         tumbling: the debris' attitudes (KNOTS, 4), of one continuous sign, and rates (KNOTS, 3), evenly from 0 to horizon.
         guess: SOONEST_INTERVALS intervals; its first node is the start.
@@ -71,52 +88,38 @@ def soonest(
     ca = casadi()
     solver = _soonest_solver()
     scale = min(guess.time, horizon)
-    parameters = np.concatenate(
-        (
-            inertia.ravel(), np.linalg.inv(inertia).ravel(), limit, [scale, horizon], _angle_and_rate(angle, rate),
-            _spline(np.hstack(tumbling)).ravel(),
-        )
-    )  # fmt: skip
+    parameters = np.concatenate((*task.body, [scale, horizon], task.thresholds, _spline(np.hstack(tumbling)).ravel()))
     nodes = np.hstack((guess.attitude, guess.rate))
-    first = np.concatenate(([guess.time / scale], (guess.torque / _divisor(limit)).ravel(), nodes.ravel()))
+    first = np.concatenate(([guess.time / scale], (guess.torque / _divisor(task.limit)).ravel(), nodes.ravel()))
     lower, upper = _box(SOONEST_INTERVALS, nodes[0], 1e-3, horizon / scale)
     size = 7 * SOONEST_INTERVALS
     found = solver(
         x0=first, p=parameters, lbx=lower, ubx=upper, lbg=np.zeros(size + 2), ubg=np.r_[np.zeros(size), np.inf, np.inf]
     )
-    head, torque, nodes = _parts(np.array(ca.DM(found["x"])).ravel(), SOONEST_INTERVALS, limit)
+    head, torque, nodes = _parts(np.array(ca.DM(found["x"])).ravel(), SOONEST_INTERVALS, task.limit)
     return Motion(head * scale, torque, nodes[:, :4], nodes[:, 4:])
 
 
 def on_time(
-    inertia: Array, limit: Array, angle: float, rate: float,
-    durations: Array, tumbling: tuple[Array, Array], judged: Array, guess: Motion,
-) -> tuple[Motion, float]:  # fmt: skip
+    task: SlewTask, durations: Array, tumbling: tuple[Array, Array], judged: Array, guess: Motion
+) -> tuple[Motion, float]:
     """Look for a slew that meets the thresholds at given nodes.
 
     Args:
-        inertia: (3, 3) kg m².
-        limit: (3,) N m, finite.
-        angle: threshold, rad.
-        rate: threshold, rad/s.
+        task: body, limits and thresholds.
         durations: (TIMED_INTERVALS,) s, zero for those not wanted.
         tumbling: the debris' attitude (TIMED_INTERVALS + 1, 4) and rate (TIMED_INTERVALS + 1, 3) at each node.
         judged: (TIMED_INTERVALS + 1,) bool, at which nodes the thresholds count.
         guess: TIMED_INTERVALS intervals; its first node is the start.
 
     Returns:
-        What IPOPT ended with, and by how much it had to widen the thresholds (their squares, relative); 0 if not at all.
+        What IPOPT ended with, and how far it widened the thresholds (their squares, relative); 0 if not at all.
     """
     ca = casadi()
     solver = _timed_solver()
-    parameters = np.concatenate(
-        (
-            inertia.ravel(), np.linalg.inv(inertia).ravel(), limit, _angle_and_rate(angle, rate),
-            durations, np.hstack(tumbling).ravel(),
-        )
-    )  # fmt: skip
+    parameters = np.concatenate((*task.body, task.thresholds, durations, np.hstack(tumbling).ravel()))
     nodes = np.hstack((guess.attitude, guess.rate))
-    first = np.concatenate(([1.0], (guess.torque / _divisor(limit)).ravel(), nodes.ravel()))
+    first = np.concatenate(([1.0], (guess.torque / _divisor(task.limit)).ravel(), nodes.ravel()))
     lower, upper = _box(TIMED_INTERVALS, nodes[0], 0.0, 1e3)
     size = 7 * TIMED_INTERVALS
     least = np.where(np.repeat(judged, 2), 0.0, -np.inf)
@@ -124,12 +127,8 @@ def on_time(
         x0=first, p=parameters, lbx=lower, ubx=upper,
         lbg=np.r_[np.zeros(size), least], ubg=np.r_[np.zeros(size), np.full(len(least), np.inf)],
     )  # fmt: skip
-    widened, torque, nodes = _parts(np.array(ca.DM(found["x"])).ravel(), TIMED_INTERVALS, limit)
+    widened, torque, nodes = _parts(np.array(ca.DM(found["x"])).ravel(), TIMED_INTERVALS, task.limit)
     return Motion(float(durations.sum()), torque, nodes[:, :4], nodes[:, 4:]), widened
-
-
-def _angle_and_rate(angle: float, rate: float) -> Array:
-    return np.array([np.cos(0.5 * min(angle, np.pi)) ** 2, rate])
 
 
 def _divisor(limit: Array) -> Array:

@@ -1,8 +1,8 @@
 """Slews that a chaser can fly: upper bounds of the time at which angle and relative rate hold, each with its torques.
 
 A candidate comes from a simple law (`chase`) or, from there, from a nonlinear programme (`shooting`: a local optimum, begun
-both ways round). None is believed before its torques, clipped to the limits, have been flown once more through
-I w' + w × I w = τ, q' = q ⊗ [0, w]/2 by DOP853 (rtol 1e-12) against the tumble in closed form, and the thresholds hold strictly.
+both ways round). It counts only if its torques, clipped to the limits and integrated once more through
+I w' + w × I w = τ, q' = q ⊗ [0, w]/2 by DOP853 (rtol 1e-12) against the tumble in closed form, meet the thresholds strictly.
 """
 
 from __future__ import annotations
@@ -15,7 +15,14 @@ import numpy as np
 
 from detumble.analysis.bounds.attitude import Turn, earliest_attitude, excess
 from detumble.analysis.bounds.chase import MOST_TURN, Motion, chase
-from detumble.analysis.bounds.shooting import KNOTS, SOONEST_INTERVALS, TIMED_INTERVALS, on_time, soonest
+from detumble.analysis.bounds.shooting import (
+    KNOTS,
+    SOONEST_INTERVALS,
+    TIMED_INTERVALS,
+    SlewTask,
+    on_time,
+    soonest,
+)
 from detumble.analysis.bounds.tumble import tumble
 from detumble.quaternions import Array
 
@@ -26,16 +33,16 @@ if TYPE_CHECKING:
 
     from detumble.analysis.bounds.pursuit import Pursuit
 
-MARGINS = (1e-6, 1e-3)  # of the thresholds, kept in the programmes; the second if the first was flown away
-WIDENED = 1e-5  # and no more, or a programme has found nothing
+MARGINS = (1e-6, 1e-3)  # of the thresholds, kept in the programmes; the second if the first was lost in the integration
+WIDENED = 1e-5  # a programme that widens the thresholds by more has found no slew
 KEPT = 1e-7  # of the thresholds, at a tick, for plants that round differently
-NEARLY = 1.05  # times the thresholds: from there another try is worth while
+NEARLY = 1.05  # times the thresholds: up to this excess another programme is solved
 CHASE_LONGEST = 200  # steps
 
 
 @dataclass(frozen=True)
 class Slew:
-    """A turn with torques held between times, as flown.
+    """A turn with torques held between times, as integrated.
 
     Attributes:
         times: (n + 1,) s, from 0.
@@ -55,9 +62,9 @@ class AttitudeBound:
     """The least time at which angle and relative rate hold lies between these, s.
 
     Attributes:
-        lower: no torque is sooner; inf where the flight is too short.
-        upper: of the slew found; inf where none was.
-        slew: it; None if there is none, or if no torque limit bounds it.
+        lower: no torque is faster; inf where the flight is too short.
+        upper: of the slew found; inf where none was found.
+        slew: the slew found; None if there is none, or if no torque limit bounds it.
     """
 
     lower: float
@@ -108,7 +115,7 @@ def slew_at_tick(pursuit: Pursuit, start: Array, tick: int) -> Slew | None:
 
 
 def first_slew(pursuit: Pursuit, start: Array, from_tick: int) -> Slew | None:
-    """Find the first tick from a given one on at which `slew_at_tick` succeeds; ever longer strides if it goes on failing.
+    """Find the first tick from a given one on at which `slew_at_tick` succeeds; the step doubles after each failure.
 
     Args:
         pursuit: limits, bodies and thresholds.
@@ -209,7 +216,7 @@ def _within(pursuit: Pursuit, turn: Turn, limit: Array, tick: int, window: int) 
     counts = _counts(window, pursuit.dwell_ticks)
     ends = np.concatenate(([0], np.cumsum(counts)))
 
-    def flown(torque: Array, held: NDArray[np.int64]) -> Slew | None:
+    def integrated(torque: Array, held: NDArray[np.int64]) -> Slew | None:
         rows = np.vstack((np.zeros((tick - window, 3)), np.repeat(torque, held, axis=0)))
         times = pursuit.period * np.arange(tick + 1, dtype=np.float64)
         attitudes, rates = fly(pursuit.chaser_inertia, turn.attitude, turn.rate, times, rows)
@@ -221,7 +228,7 @@ def _within(pursuit: Pursuit, turn: Turn, limit: Array, tick: int, window: int) 
     chases = chase(pursuit, limit, attitude, rate, stages, group * pursuit.period).nearest()
     for motion in chases:
         if excess(pursuit, motion.attitude[-1], motion.rate[-1], debris[0][-1], debris[1][-1]) < 1.0:
-            slew = flown(motion.torque, np.full(len(motion.torque), group))
+            slew = integrated(motion.torque, np.full(len(motion.torque), group))
             if slew:
                 return slew
 
@@ -230,13 +237,11 @@ def _within(pursuit: Pursuit, turn: Turn, limit: Array, tick: int, window: int) 
     for motion in chases:
         guess = motion.resampled(durations)
         for margin in MARGINS:
-            thresholds = pursuit.angle * (1.0 - margin), pursuit.rate * (1.0 - margin)
-            guess, widened = on_time(
-                pursuit.chaser_inertia, limit, *thresholds, durations, (ahead[0][ends], ahead[1][ends]), judged, guess
-            )
+            task = _task(pursuit, limit, margin)
+            guess, widened = on_time(task, durations, (ahead[0][ends], ahead[1][ends]), judged, guess)
             if widened > WIDENED:
                 break
-            slew = flown(guess.torque, counts)
+            slew = integrated(guess.torque, counts)
             if slew:
                 return slew
     return None
@@ -252,7 +257,7 @@ def _counts(window: int, dwell_ticks: int) -> NDArray[np.int64]:
 
 
 def _soonest(pursuit: Pursuit, start: Array, lower: float) -> Slew | None:
-    """The shortest slew found that ends inside the thresholds, whatever the dwell."""
+    """The shortest slew found that ends inside the thresholds, without regard to the dwell."""
     turn, limit = Turn(pursuit, start), _finite(pursuit)
     if turn.met_at_once:
         return Slew(np.zeros(1), np.empty((0, 3)), turn.attitude[None, :], turn.rate[None, :])
@@ -263,25 +268,24 @@ def _soonest(pursuit: Pursuit, start: Array, lower: float) -> Slew | None:
         tumbling = _tumble(pursuit, turn, horizon / (KNOTS - 1), KNOTS - 1)
         found = guess.resampled(np.full(SOONEST_INTERVALS, guess.time / SOONEST_INTERVALS))
         for margin in MARGINS:
-            angle, rate = pursuit.angle * (1.0 - margin), pursuit.rate * (1.0 - margin)
-            found = soonest(pursuit.chaser_inertia, limit, angle, rate, horizon, tumbling, found)
-            slew, over = _flown(pursuit, turn, found)
+            found = soonest(_task(pursuit, limit, margin), horizon, tumbling, found)
+            slew, over = _integrated(pursuit, turn, found)
             best = _sooner(best, slew, over)
             if not 1.0 <= over < NEARLY:
                 break
         if best is None:
-            best = _sooner(best, *_flown(pursuit, turn, guess))
+            best = _sooner(best, *_integrated(pursuit, turn, guess))
     return best
 
 
 def _first_guesses(pursuit: Pursuit, turn: Turn, limit: Array, least: float) -> list[Motion]:
-    """Chases that arrive, the quickest each way round; if none does soon, also those that come nearest in a short time."""
+    """Chases that arrive, the quickest each way round; if none arrives soon, also the nearest after a short time."""
     last = pursuit.period * pursuit.periods
     speed = max(float(np.linalg.norm(turn.rate)), turn.fastest) + 1e-12
     near: list[Motion] = []
     horizon, reached = 5.0 * least, 0.0
     while reached < min(horizon, last):
-        step = min(horizon / CHASE_LONGEST, MOST_TURN / speed)  # a law that looks up less often cannot follow
+        step = min(horizon / CHASE_LONGEST, MOST_TURN / speed)  # a longer step makes the law unstable
         steps = min(math.ceil(horizon / step), 4 * CHASE_LONGEST)
         chases = chase(pursuit, limit, turn.attitude, turn.rate, _tumble(pursuit, turn, step, steps), step)
         arriving = list(chases.arriving())
@@ -291,6 +295,11 @@ def _first_guesses(pursuit: Pursuit, turn: Turn, limit: Array, least: float) -> 
         if steps == 4 * CHASE_LONGEST:
             break
     return near if limit.any() else []
+
+
+def _task(pursuit: Pursuit, limit: Array, margin: float) -> SlewTask:
+    """The task of a programme with thresholds tightened by a share."""
+    return SlewTask(pursuit.chaser_inertia, limit, pursuit.angle * (1.0 - margin), pursuit.rate * (1.0 - margin))
 
 
 def _sooner(best: Slew | None, slew: Slew, over: float) -> Slew | None:
@@ -313,8 +322,8 @@ def _tumble(pursuit: Pursuit, turn: Turn, step: float, steps: int) -> tuple[Arra
     return attitudes * np.cumprod(np.concatenate(([1.0], flips)))[:, None], rates
 
 
-def _flown(pursuit: Pursuit, turn: Turn, motion: Motion) -> tuple[Slew, float]:
-    """What a motion's torques really do, and how far over the thresholds they end; inf after the flight."""
+def _integrated(pursuit: Pursuit, turn: Turn, motion: Motion) -> tuple[Slew, float]:
+    """The slew that a motion's torques give, and its excess over the thresholds at the end; inf after the flight."""
     times = np.linspace(0.0, motion.time, len(motion.torque) + 1)
     attitudes, rates = fly(pursuit.chaser_inertia, turn.attitude, turn.rate, times, motion.torque)
     debris = tumble(pursuit.debris_inertia, *turn.debris, motion.time, 1)

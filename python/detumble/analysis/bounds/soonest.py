@@ -1,9 +1,9 @@
 """The least time of a translation to within its thresholds, from both sides, in continuous time.
 
-From below: from t = 0 on, the direction that separates reach from goal at t proves t impossible and a stretch after it
-(`course`); at the end of the stretch the next one takes over (the reach is not nested, so nothing is skipped). Close to the
-answer this is Newton's method on the separation, from one side (Neustadt 1960; Eaton 1962).
-From above: transfers of the convex programme just after that (`transfer`), any of which will do.
+From below: from t = 0 on, the direction that separates reach from goal at t proves t impossible and an interval after it
+(`course`); the next direction is solved for at that interval's end (the reach is not nested: no time is skipped). Near the
+bound this is Newton's method on the separation, from one side (Neustadt 1960; Eaton 1962).
+From above: any transfer of the convex programme just after that (`transfer`).
 
 A dwell asks for the thresholds from T - dwell to T: the lower bound is the first open time plus the dwell.
 """
@@ -24,7 +24,7 @@ CLOSE = 1e-4  # gap that ends the search from above
 TRIALS = 24  # transfers tried at most
 REFINEMENTS = 4  # times that the pieces of a control are put where it switches
 MARKS = 12  # earlier switching times kept
-SOLVES = 200  # directions tried at most: the bound is proved wherever it stops
+SOLVES = 200  # directions tried at most; the bound is proved wherever the search stops
 
 
 def translation_bound(pursuit: Pursuit, start: Array) -> Bracket:
@@ -50,7 +50,7 @@ def translation_bound(pursuit: Pursuit, start: Array) -> Bracket:
     best: Transfer | None = None
     upper, failed = math.inf, lower
     trial = lower * (1.0 + 0.2 * CLOSE) if lower > 0.0 else pursuit.period
-    for _ in range(TRIALS):  # first ever farther, then halving what is left
+    for _ in range(TRIALS):  # first at growing distances, then by bisection
         trial = min(trial, duration)
         found, marks = _attempt(pursuit, start, trial, marks)
         if found is not None:

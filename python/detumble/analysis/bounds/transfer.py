@@ -1,4 +1,4 @@
-"""Feasible transfers: the control, held piece by piece, that a convex programme finds, flown exactly before it is believed.
+"""Feasible transfers: a piecewise constant control from a convex programme, verified by exact integration.
 
 With u = a ∘ x held over each piece, X(T) = Φ(T) X(0) + Σ_k P_k u_k is linear in u, P_k = ∫ K over the piece as seen from T.
 Capture at T asks for two balls, so with a slack e (m) on both this is a second-order cone programme:
@@ -7,7 +7,7 @@ Capture at T asks for two balls, so with a slack e (m) on both this is a second-
     time: minimise e;   fuel: minimise Σ |u_k| Δ_k + price · e, e ≥ 0.
 
 The multipliers of the balls are the direction d of `course`, the best one for this grid of pieces (Boyd & Vandenberghe,
-Convex Optimization, §5.9); the programme need not be exact, since d is checked by the certificate and u by flying it.
+Convex Optimization, §5.9); the programme need not be exact, since the certificate checks d and the integration checks u.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from detumble.analysis.bounds.goal import Goal, Restlessness
+from detumble.analysis.bounds.goal import Goal, GoalChange
 from detumble.analysis.bounds.hcw import hcw, held
 from detumble.quaternions import Array
 
 if TYPE_CHECKING:
     from detumble.analysis.bounds.pursuit import Pursuit
 
-CHECKS = 4  # looks at the dwell for each that the programme takes
-LOOKS = 40  # that it takes at most: its work grows as their cube
+CHECKS = 4  # moments of the dwell that are verified for each that the programme has
+LOOKS = 40  # moments in the programme at most: its work grows as their cube
 PIECES, MOST_PIECES = 16, 160  # of a control, besides those at its switches: for each radian of the orbit
 PRICE = 100.0  # of the slack, Δv · T per metre
 
@@ -53,7 +53,7 @@ class Transfer:
 
 @dataclass(frozen=True)
 class Bracket:
-    """A value that no controller can get below, and one that a controller reaches.
+    """A lower bound for every controller, and a value that one controller reaches.
 
     Attributes:
         lower: proved; inf when capture is impossible within the flight.
@@ -68,7 +68,7 @@ class Bracket:
 
 @dataclass(frozen=True)
 class Steering:
-    """What the programme says.
+    """Solution of the programme.
 
     Attributes:
         acceleration: (k, 3) m/s², within the limits.
@@ -93,7 +93,7 @@ class Task:
         limit: (3,) m/s², may be 0 or inf.
         moments: (m,) s, rising: when the thresholds must hold.
         goal: the goal at these moments.
-        stride: the programme looks at every so many of them, the flight that checks it at all.
+        stride: the programme has every so many of them; the verification has all.
     """
 
     mean_motion: float
@@ -105,7 +105,7 @@ class Task:
 
     @classmethod
     def at(cls, pursuit: Pursuit, start: Array, time: float) -> Task:
-        """Being within the thresholds at a time, s, widened as much as the chaser's attitude allows: what bounds speak of."""
+        """Being within the thresholds at a time, s, widened as much as the chaser's attitude allows, as bounds need it."""
         goal = Goal.between(pursuit, start[13:20], time, time, 0)
         return cls(pursuit.mean_motion, start[:6], pursuit.acceleration, np.array([time]), goal)
 
@@ -119,7 +119,7 @@ class Task:
         """
         dwell = min(time, pursuit.dwell_ticks * pursuit.period)
         strength = float(np.linalg.norm(pursuit.acceleration[np.isfinite(pursuit.acceleration)]))
-        strength += Restlessness.of(pursuit, start[17:20]).place
+        strength += GoalChange.of(pursuit, start[17:20]).place
         cells, margin = 0, 0.0
         if dwell > 0.0:
             cells = int(np.clip(np.ceil(dwell * np.sqrt(strength / (0.08 * pursuit.distance))), 8, LOOKS))
@@ -130,11 +130,11 @@ class Task:
 
     @property
     def knots(self) -> Array:
-        """The moments that the programme looks at, s."""
+        """The moments that the programme has, s."""
         return self.moments[:: self.stride]
 
     def steer(self, nodes: Array, fuel: bool, margin: float = 0.0) -> Steering | None:
-        """Solve the programme with the control held between the nodes (k + 1,), s; None when the solver gives up.
+        """Solve the programme with the control held between the nodes (k + 1,), s; None when the solver fails.
 
         The thresholds are `margin`, m, tighter than asked for (and 2 margin / T, m/s).
         """
@@ -222,7 +222,7 @@ def _sparse(entries: list[tuple[Any, Any, Any]], rows: int, columns: int) -> Any
 
 
 def _solve(cost: Array, rows: Any, right: Array, cones: list[Any]) -> tuple[Array, Array] | None:
-    """Primal and dual solution of min cost · x, right - rows x in the cones; None if the solver breaks down."""
+    """Primal and dual solution of min cost · x, right - rows x in the cones; None if the solver fails."""
     import clarabel
     from scipy import sparse
 
@@ -233,7 +233,7 @@ def _solve(cost: Array, rows: Any, right: Array, cones: list[Any]) -> tuple[Arra
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-9
     still = sparse.csc_matrix((len(cost), len(cost)))
     found = clarabel.DefaultSolver(still, cost, rows, right, cones, settings).solve()
-    # the slack makes every programme feasible, and what is not quite solved is still checked by whoever uses it
+    # the slack makes every programme feasible, and callers verify a solution that is not quite converged
     x, z = np.array(found.x), np.array(found.z)
     return (x, z) if np.isfinite(x).all() and np.isfinite(z).all() else None
 

@@ -6,7 +6,7 @@ the support function of the reach,
 
     d · (Φ(T) X(0) - goal(T)) - ρ(T, d) - R |d_r| - S |d_v| > 0,     ρ(T, d) = Σ_j a_j ∫₀ᵀ |d · K_j(s)| ds.
 
-Any d proves it, good or bad; how d is found needs no rigour. ρ is bounded from above: on a cell of width h the function
+Any d that satisfies this proves it, however it was found. ρ is bounded from above: on a cell of width h the function
 f = d · K_j differs from its chord by at most M h²/8, M ≥ |f''|, so ∫|f| ≤ ∫|chord| + M h³/12. The excess is
 of order n h²/T relative to ρ: 1e-8 for h = 0.1 s.
 """
@@ -23,7 +23,7 @@ from detumble.quaternions import Array
 
 ROUND_OFF = 1e-9  # relative margin that a certificate must show
 ROUNDS = 60  # directions tried at one tick at most
-GOOD_ENOUGH = 0.7  # share of the greatest separation at which a direction is taken: it must serve the next ticks too
+GOOD_ENOUGH = 0.7  # share of the greatest separation at which a direction is accepted: it is used at the next ticks too
 
 
 @lru_cache(maxsize=4)
@@ -37,7 +37,7 @@ def _tables(mean_motion: float, period: float, ticks: int) -> tuple[Array, Array
 
 
 class Reach:
-    """What per-axis accelerations can do to the HCW motion, tabulated at the control ticks.
+    """Reach of per-axis accelerations in the HCW motion, tabulated at the control ticks.
 
     Args:
         mean_motion: n, rad/s (0 gives the double integrator).
@@ -48,7 +48,7 @@ class Reach:
     def __init__(self, mean_motion: float, acceleration: Array, period: float) -> None:
         self.mean_motion, self.period = mean_motion, period
         free = np.isinf(acceleration)
-        if free[0] or free[1]:  # x and y drive each other: one without limit frees both
+        if free[0] or free[1]:  # x and y are coupled: one without limit frees both
             free[:2] = True
         self.bounded = ~free
         self.acceleration = np.where(free, 0.0, acceleration)

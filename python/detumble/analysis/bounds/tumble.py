@@ -10,7 +10,7 @@ fixed in N, so only the angle φ about it is left: with p(t) the shortest rotati
 
     q(t) = q_NE ⊗ exp(φ e / 2) ⊗ p(t),     φ' = (2 E/|h| + w·e) / (1 + ĥ·e),
 
-smooth because ĥ·e > 0; φ is summed by Gauss-Legendre. On the separatrix (spin about the middle axis, gone unstable)
+smooth because ĥ·e > 0; φ is summed by Gauss-Legendre. On the separatrix (unstable spin about the middle axis)
 the elliptic functions lose their period, and the motion is integrated instead (DOP853, 1e-12).
 """
 

@@ -24,18 +24,24 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from detumble.quaternions import Array, conjugate, multiply, rotate, rotation_angle
 
+if TYPE_CHECKING:
+    from detumble.analysis.bounds.pursuit import Pursuit
+
+CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))  # of a box
+REGULARISATION = 1e-12  # added to acceleration and growth, so that neither is zero; the bound stays a bound
 ROUND_OFF = 1e-7  # rad and rad/s that a certificate must show
 
 
 @dataclass(frozen=True)
 class Agility:
-    """What a torque box can do to a rigid body's rate; the symbols are the module's.
+    """Bounds of a rigid body's rate under per-axis torque limits; the symbols are the module's.
 
     Attributes:
         inertia: (3, 3) kg m².
@@ -61,7 +67,7 @@ class Agility:
         """From the inertia (3, 3) kg m² and the limits (3,) N m; a convex function peaks on a corner of the box."""
         j1, j2, j3 = (float(moment) for moment in np.linalg.eigvalsh(inertia))
         limited = bool(np.isfinite(torque).all())
-        corners = np.array(list(itertools.product((-1.0, 1.0), repeat=3))) * (torque if limited else 0.0)
+        corners = CORNERS * (torque if limited else 0.0)
         spun = np.linalg.solve(inertia, corners.T).T
         product = abs((j1 - j2) * (j2 - j3) * (j3 - j1)) / (j1 * j2 * j3)
         return cls(
@@ -84,8 +90,8 @@ class Agility:
             momentum: |I w|, N m s, at time 0, or more.
             times: s.
         """
-        # y' = A + c y²: y = r tan(atan(y₀/r) + √(A c) t), r = √(A/c); more A or c only lifts the bound
-        direct, growth = self.direct + 1e-12, self.growth + 1e-12
+        # y' = A + c y²: y = r tan(atan(y₀/r) + √(A c) t), r = √(A/c)
+        direct, growth = self.direct + REGULARISATION, self.growth + REGULARISATION
         scale = np.sqrt(direct / growth)
         phase = np.arctan(speed / scale) + np.sqrt(direct * growth) * times
         grown = scale * np.tan(np.minimum(phase, 1.57))
@@ -98,13 +104,13 @@ class Agility:
         )
 
     def fastest_free(self, rate: Array) -> float:
-        """The most |w|, rad/s, that a body left to itself ever has, from a rate (3,): energy and momentum stay."""
+        """The most |w|, rad/s, that a torque-free body ever has, from a rate (3,): energy and momentum stay."""
         energy, momentum = math.sqrt(rate @ self.inertia @ rate), float(np.linalg.norm(self.inertia @ rate))
         return min(energy / math.sqrt(self.smallest), momentum / self.smallest)
 
     def floor(self, rate: Array, times: Array) -> Array:
         """A lower bound (n,) of |w| at times (n,), from the rate (3,) rad/s at time 0: the same three, downwards."""
-        direct, growth = self.direct + 1e-12, self.growth + 1e-12
+        direct, growth = self.direct + REGULARISATION, self.growth + REGULARISATION
         scale = np.sqrt(direct / growth)
         phase = np.arctan(np.linalg.norm(rate) / scale) - np.sqrt(direct * growth) * times
         energy = np.sqrt(rate @ self.inertia @ rate) - self.energy * times
@@ -115,27 +121,17 @@ class Agility:
 
 
 def excluded(
-    agility: Agility,
-    attitude: Array,
-    rate: Array,
-    target_attitudes: Array,
-    target_rates: Array,
-    first: int,
-    period: float,
-    angle: float,
-    rate_error: float,
+    pursuit: Pursuit, attitude: Array, rate: Array, target_attitudes: Array, target_rates: Array, first: int
 ) -> NDArray[np.bool_]:
     """Which ticks first … last no torque control can meet: (last - first + 1,).
 
     Args:
-        agility: the chaser's.
+        pursuit: torque limits, thresholds and control period.
         attitude, rate: the chaser's (4,) body → N and (3,) rad/s body axes, at t = 0.
         target_attitudes, target_rates: the debris' (last + 1, 4) and (last + 1, 3), its own axes.
-        first: first tick asked for.
-        period: s.
-        angle: capture threshold, rad.
-        rate_error: capture threshold, rad/s.
+        first: first tick that is judged.
     """
+    agility, period, rate_error = pursuit.agility, pursuit.period, pursuit.rate
     limited = np.isfinite(agility.momentum)
     if not limited:  # then only t = 0 can be out of reach
         agility = Agility.of(agility.inertia, np.zeros(3))
@@ -152,7 +148,7 @@ def excluded(
     # three. Both sequences of cells rise, and the best split of k cells between the two ends is the k smallest of all.
     cells = np.sort(np.concatenate((trapezoids(rising), trapezoids(falling)))) * period
     reach = np.concatenate(([0.0], np.cumsum(cells)))[first : len(times)]
-    needed = angle_between(attitude, target_attitudes[first:]) - angle
+    needed = angle_between(attitude, target_attitudes[first:]) - pursuit.angle
 
     bent = agility.direct + agility.bending * trapezoids(rising * rising)
     swing = np.concatenate(([0.0], np.cumsum(bent * period)))[first:]

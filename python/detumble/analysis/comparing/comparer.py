@@ -1,7 +1,7 @@
 """A comparison from its plan to its result: tune, judge on held-out runs, bound, vary the scenario, test, order.
 
 All entries get the same budget, objective, horizon, training starts and seeds of the searches. Each entry is tuned several
-times, since one search may be lucky; the tuning of the least cost on the training starts is judged, and the others show the
+times, since searches scatter; the tuning of the least cost on the training starts is judged, and the others show the
 spread. All that is reported was measured on held-out runs, except the training cost itself.
 """
 
@@ -84,8 +84,8 @@ def compare(
         entries = entries_of([law for law in LAWS if not plan.as_given or getattr(scenario.laws, law) is not None])
     check_entries(entries, scenario, as_given=plan.as_given)
     for entry in entries:
-        flown = entry.of_scenario(scenario) if plan.as_given else space_of(scenario, entry.law, form=entry.form).base
-        check_gains(scenario.title, case(flown, entry.law))
+        checked = entry.of_scenario(scenario) if plan.as_given else space_of(scenario, entry.law, form=entry.form).base
+        check_gains(scenario.title, case(checked, entry.law))
     threads = thread_count(threads)
     folder = named_folder(out, "out") if out is not None else None
     with results_folder(folder, FILES, source):
@@ -164,11 +164,11 @@ class _Work:
         found = (
             [_as_given(entry, self.scenario)] if plan.as_given else [self._tuned(entry, k) for k in range(plan.tunings)]
         )
-        chosen = min(range(len(found)), key=lambda place: found[place].cost or 0.0)
-        runs = self._flown(entry, found[chosen].scenario, plan.runs)
+        chosen = min(range(len(found)), key=lambda index: found[index].cost or 0.0)
+        runs = self._held_out(entry, found[chosen].scenario, plan.runs)
         first = [
-            runs.first(SPREAD) if place == chosen else self._flown(entry, tuning.scenario, min(SPREAD, plan.runs))
-            for place, tuning in enumerate(found)
+            runs.first(SPREAD) if index == chosen else self._held_out(entry, tuning.scenario, min(SPREAD, plan.runs))
+            for index, tuning in enumerate(found)
         ]
         tunings = tuple(
             replace(tuning, verdict=Verdict.of(own), score=self._score(own))
@@ -176,13 +176,13 @@ class _Work:
         )
         return Judged(entry, tunings, chosen, runs, self._counted(runs), Verdict.of(runs), self._score(runs))
 
-    def _tuned(self, entry: Entry, number: int) -> Tuning:
+    def _tuned(self, entry: Entry, index: int) -> Tuning:
         plan = self.plan
-        record = self.folder / RECORDS / f"{entry.file}-{number}" / "record.jsonl" if self.folder else None
+        record = self.folder / RECORDS / f"{entry.file}-{index}" / "record.jsonl" if self.folder else None
         if record:
             with output_folder(record.parent):
                 pass
-        self.watcher.stage(f"{entry.name}: tuning {number + 1} of {plan.tunings}")
+        self.watcher.stage(f"{entry.name}: tuning {index + 1} of {plan.tunings}")
         tuned = tune(
             self.scenario,
             entry.law,
@@ -190,7 +190,7 @@ class _Work:
             budget=plan.budget,
             starts=plan.starts,
             seed=plan.seed,
-            optimiser_seed=(plan.seed + number) % (MOST_SEED + 1),
+            optimiser_seed=(plan.seed + index) % (MOST_SEED + 1),
             objective=plan.objective,
             horizon=plan.horizon,
             record=record,
@@ -200,7 +200,7 @@ class _Work:
         )
         return Tuning(tuned.optimiser_seed, tuned.scenario, tuned.gains, tuned.cost, tuned.success)
 
-    def _flown(self, entry: Entry, scenario: Scenario, runs: int) -> Runs:
+    def _held_out(self, entry: Entry, scenario: Scenario, runs: int) -> Runs:
         self._stage(f"{entry.name}: held-out runs", runs)
         return fly(
             scenario, entry.law, self.plan.judging, runs, end=self.end, threads=self.threads, progress=self.watcher.now

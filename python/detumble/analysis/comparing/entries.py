@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from detumble.scenario.model import Scenario
 
 MOST_CHARACTERS = 60
-"""Longest name that tables and figures have room for."""
+"""Longest name that fits tables and figures."""
 
 
 @dataclass(frozen=True)

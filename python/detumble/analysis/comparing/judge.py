@@ -1,7 +1,7 @@
 """An entry on runs that it was not tuned on: results run by run, and their statistics.
 
 A run that failed (never captured, or not settled where the bodies merge) has the capture time +∞ and the settled time +∞, so
-that quantiles are those of the whole population, and an entry does not look fast because its slow runs fail. What else exists
+that quantiles are those of the whole population, and an entry whose slow runs fail is not ranked as fast. What else exists
 only after a capture, such as Δv to capture and the settling time, is summarised over the runs that have it, with their
 number.
 """
@@ -109,7 +109,7 @@ def fly(
         end: how flights end; None as the scenario says.
         change: deviation from the scenario.
         threads: to use; None for all processors.
-        progress: called now and then with the number of runs done; an exception that it raises ends the work.
+        progress: called repeatedly with the number of runs done; an exception that it raises ends the work.
 
     Raises:
         ScenarioError: the scenario cannot be flown.

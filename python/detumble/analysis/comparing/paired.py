@@ -120,7 +120,7 @@ class Shift:
 
 
 def t_test(differences: Array) -> float:
-    """Give the two-sided p-value of Student's test that the mean of differences (n,) is zero; 1 where they cannot tell."""
+    """Give the two-sided p-value of Student's test that the mean of differences (n,) is zero; 1 where there are too few."""
     from scipy.special import stdtr  # type: ignore[import-untyped]  # scipy.stats would take fifty megabytes more
 
     count = len(differences)

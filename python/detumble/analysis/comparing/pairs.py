@@ -1,4 +1,4 @@
-"""Every pair of entries on common runs: which metric differs, how surely, and the order that this allows."""
+"""Every pair of entries on common runs: tests of each metric, and the order that follows from them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Metric:
-    """What pairs are tested for; the smaller, the better.
+    """A quantity in which pairs are tested; the smaller, the better.
 
     Attributes:
         title: for tables and figures.
@@ -85,20 +85,20 @@ def pairs_of(entries: Sequence[Judged], percentile: float | None = None) -> tupl
     """Test every pair of entries for every metric and for the objective's statistic, and adjust the p-values as one family.
 
     Args:
-        entries: who.
+        entries: to be compared.
         percentile: the statistic; None is the mean.
     """
-    couples = list(itertools.combinations(range(len(entries)), 2))
-    found = [_differences(entries[one].runs, entries[other].runs) for one, other in couples]
-    shifts = [Shift.of(entries[one].counted, entries[other].counted, percentile) for one, other in couples]
+    places = list(itertools.combinations(range(len(entries)), 2))
+    found = [_differences(entries[one].runs, entries[other].runs) for one, other in places]
+    shifts = [Shift.of(entries[one].counted, entries[other].counted, percentile) for one, other in places]
     alone = [
         [*(difference.p for difference in differences.values()), shift.p]
         for differences, shift in zip(found, shifts, strict=True)
     ]
     adjusted = iter(holm(np.ravel(alone)).tolist())
     return tuple(
-        Pair(places, differences, shift, {name: next(adjusted) for name in (*differences, STATISTIC)})
-        for places, differences, shift in zip(couples, found, shifts, strict=True)
+        Pair(pair, differences, shift, {name: next(adjusted) for name in (*differences, STATISTIC)})
+        for pair, differences, shift in zip(places, found, shifts, strict=True)
     )
 
 
@@ -115,7 +115,7 @@ def ranking_of(entries: Sequence[Judged], pairs: Sequence[Pair], objective: str,
     """Order entries by the rules of `ranking`.
 
     Args:
-        entries: who.
+        entries: to be compared.
         pairs: of them.
         objective: that was minimised: a key of `OBJECTIVES`.
         period: s, of control.

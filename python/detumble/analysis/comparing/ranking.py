@@ -4,15 +4,15 @@ A score orders entries: those whose success reaches the required share come befo
 objective's statistic decides, among the latter the share of failures. An entry was tuned several times, which gives it a
 score for each tuning, all on held-out runs. A is above B when all of this holds:
 
-1. every tuning of A has a better score than every tuning of B. Between equally good entries with k tunings each, luck of the
-   search does that in a share 2 / C(2k, k) of the pairs: one of ten for k = 3, one of 126 for k = 5;
+1. every tuning of A has a better score than every tuning of B. Between equally good entries with k tunings each, chance
+   does that in a share 2 / C(2k, k) of the pairs: one of ten for k = 3, one of 126 for k = 5;
 2. the paired tests of what puts A first are significant in the same direction after Holm's adjustment over all pairs and
    tests: when both reach the required success, that A is ahead in more runs, and that the objective's statistic itself differs
    (see `paired`); else that of success;
-3. the difference is of use: at least one control period of time, 0.5 % of runs, or 0.5 % of Δv.
+3. the difference is large enough to matter: at least one control period of time, 0.5 % of runs, or 0.5 % of Δv.
 
-The scores of an entry make an interval, and by the first rule A is above B only if its interval lies wholly before B's. So no
-circle is possible. Where A is above B and B above C, A is above C too, by consequence. Entries neither above nor below each
+The scores of an entry make an interval, and by the first rule A is above B only if its interval lies wholly before B's. So
+the order has no cycle. Where A is above B and B above C, A is above C too, by consequence. Entries neither above nor below each
 other tie: no difference was shown, which does not prove that they are equal. The rank of an entry is one more than the number
 of those above it, and entries that share a letter tie.
 """
@@ -81,7 +81,7 @@ def rank(scores: Sequence[Sequence[Score]], distinct: Callable[[int, int], bool]
         above[one, other] = max(scores[one]) < min(scores[other]) and distinct(one, other)
     for middle in range(count):  # transitive closure (Warshall)
         above |= np.outer(above[:, middle], above[middle])
-    ranks = tuple(int(number) + 1 for number in above.sum(axis=0))
+    ranks = tuple(int(count) + 1 for count in above.sum(axis=0))
     return Ranking(above, ranks, _letters(above, ranks))
 
 

@@ -6,7 +6,7 @@
                that the run had at its own capture, the first runs only
 
 Each is a share of a lower bound, so a ratio below 1 is impossible: one that is found means that a bound or the core is wrong,
-and is reported. Where the bound is 0 (drift alone captures, or the stack is born settled) there is no ratio; such runs are
+and is reported. Where the bound is 0 (drift alone captures, or the stack is settled at capture) there is no ratio; such runs are
 counted.
 """
 
@@ -35,7 +35,7 @@ class Ratio:
     Attributes:
         values: (n,) NaN where the run has none.
         free: number of runs whose bound is 0.
-        broken: indices of runs that would have beaten their bound.
+        broken: indices of runs that are below their bound.
     """
 
     values: Array

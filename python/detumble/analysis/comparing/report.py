@@ -169,7 +169,7 @@ def _tunings(comparison: Comparison) -> str:
     ]
     for place in comparison.ordered:
         judged = comparison.entries[place]
-        others = [tuning for number, tuning in enumerate(judged.tunings) if number != judged.chosen]
+        others = [tuning for index, tuning in enumerate(judged.tunings) if index != judged.chosen]
         shares = [100 * judged.verdict.success.share]
         shares += [100 * tuning.verdict.success.share for tuning in others if tuning.verdict]
         held_out = [_score(tuning.score.short, tuning.score.value) for tuning in others if tuning.score]
@@ -198,8 +198,8 @@ def _score(short: bool, value: float) -> str:
 def _robustness(comparison: Comparison) -> str:
     curves = comparison.entries[0].curves
     shown = [
-        (number, place, curve.sweep.key, value)
-        for number, curve in enumerate(curves)
+        (index, place, curve.sweep.key, value)
+        for index, curve in enumerate(curves)
         for place, value in enumerate(curve.sweep.values)
         if value in SHOWN[curve.sweep.key] and value != curve.sweep.own
     ]
@@ -208,7 +208,7 @@ def _robustness(comparison: Comparison) -> str:
     for place in comparison.ordered:
         judged = comparison.entries[place]
         own = judged.curves[0].verdicts[judged.curves[0].sweep.values.index(judged.curves[0].sweep.own)]
-        verdicts = [own, *(judged.curves[number].verdicts[at] for number, at, _, _ in shown)]
+        verdicts = [own, *(judged.curves[index].verdicts[at] for index, at, _, _ in shown)]
         rows.append((judged.entry.name, *(fixed(100 * verdict.success.share, 1) for verdict in verdicts)))
     runs = min(comparison.plan.robust, comparison.plan.runs)
     return table(rows) + (

@@ -11,7 +11,6 @@ import numpy as np
 
 from detumble.analysis.comparing.pairs import METRICS, OBJECTIVES, STATISTIC
 from detumble.analysis.comparing.ranking import SIGNIFICANT
-from detumble.analysis.tuning.objective import MEANINGS
 from detumble.results import results_folder
 from detumble.writing import output_folder, write_text
 
@@ -129,12 +128,12 @@ class Comparison:
         return list(texts)
 
     def figures(self, folder: Path) -> list[Path]:
-        """Draw all figures into a folder.
+        """Write all figures into a folder.
 
         Raises:
             RequestError: they cannot be written.
         """
-        from detumble.show.compare import CaptureTimes, Pairs, draw
+        from detumble.show.compare import CaptureTimes, Pairs, write_pictures
 
         best_first = [self.entries[place] for place in self.ordered]
         times = CaptureTimes(
@@ -144,7 +143,7 @@ class Comparison:
         )
         above = self.ranking.above[np.ix_(self.ordered, self.ordered)]
         pairs = Pairs([self._matrix(OBJECTIVES[self.plan.objective.what]), self._matrix("failed")], above, SIGNIFICANT)
-        return draw(folder, self._sheet(), times, pairs, self._sweeps() if self.plan.robust else [])
+        return write_pictures(folder, self._sheet(), times, pairs, self._sweeps() if self.plan.robust else [])
 
     def _sheet(self) -> Sheet:
         """Give headline and entries of the pictures, the best first."""
@@ -155,7 +154,7 @@ class Comparison:
         budget, starts = counted(plan.budget, "evaluation"), counted(plan.starts, "start")
         searched = f"{counted(plan.tunings, 'tuning')} each of {budget} on {starts}"
         gains = "gains as given" if plan.as_given else searched
-        goal = f"{objective.statistic} of {MEANINGS[objective.what]}, success at least {100 * objective.required:g} %"
+        goal = f"{objective.statistic} of {objective.meaning}, success at least {100 * objective.required:g} %"
         looks = looks_of([(judged.entry.name, judged.entry.law, judged.entry.form) for judged in self.entries])
         return Sheet(
             Caption(self.scenario.title, "", plan.runs, plan.judging),

@@ -119,7 +119,7 @@ def robustness(
         seed: that they were flown with.
         end: how flights end.
         threads: to use; None for all processors.
-        progress: called now and then with the number of runs done.
+        progress: called repeatedly with the number of runs done.
     """
     flown = 0
     known = Verdict.of(own)

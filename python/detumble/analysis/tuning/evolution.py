@@ -5,7 +5,7 @@ step of 0.2 of the cube. When a descent has converged, or has gained no more tha
 begins: in turn from the best point so far with a small step, to refine it, and from the best of some random points, to find
 another minimum. Every evaluation counts, and all of the budget is used.
 
-All random numbers come from a generator of the search's own; numpy's global one is neither read nor changed.
+All random numbers come from the search's own generator; numpy's global one is neither read nor changed.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def minimise(evaluate: Evaluate, start: Array, budget: int, seed: int, *, step: 
     generator = np.random.default_rng([seed, dimensions])
     best, left = Best(start, math.inf), budget
 
-    def flown(points: Array) -> Array:
+    def evaluated(points: Array) -> Array:
         nonlocal best, left
         points = points[:left]
         costs = evaluate(points)
@@ -82,12 +82,12 @@ def minimise(evaluate: Evaluate, start: Array, budget: int, seed: int, *, step: 
             origin, width = best.point, REFINING
         elif descents:
             scattered = generator.random((SCATTERED * dimensions, dimensions))
-            origin, width = scattered[int(np.argmin(flown(scattered)))], EXPLORING
+            origin, width = scattered[int(np.argmin(evaluated(scattered)))], EXPLORING
         strategy = _strategy(origin, width, max(LEAST, 4 + int(3.0 * math.log(dimensions))), generator)
         least: list[float] = []
         while left > 0 and not strategy.stop() and not _stagnant(least):
             asked = strategy.ask()
-            costs = flown(np.clip(np.array(asked)[:, :dimensions], 0.0, 1.0))
+            costs = evaluated(np.clip(np.array(asked)[:, :dimensions], 0.0, 1.0))
             if len(costs) == len(asked):
                 strategy.tell(asked, costs.tolist())
             least.append(min([float(costs.min()), *least[-1:]]))
@@ -119,7 +119,7 @@ def _strategy(origin: Array, step: float, population: int, generator: np.random.
         "verb_log": 0,
         "verb_filenameprefix": os.devnull,  # of files that are not written; the default would be the current folder
         "verb_disp": 0,
-        "signals_filename": "",  # no file steers the search
+        "signals_filename": "",  # no file controls the search
     }
     # The library needs two coordinates; a second one that nothing depends on does no harm.
     inside = np.resize(np.clip(origin, 0.0, 1.0), max(len(origin), 2))

@@ -9,7 +9,7 @@ full acceleration for the whole horizon.
     J = C (1 + (required - share) + g)    where it is not; so J > C
 
 S is the mean, or a percentile as an order statistic: the least value that so many percent of the runs do not exceed. g is the
-mean over the runs of a grade of failure, which gives a search a slope to follow where no run succeeds yet:
+mean over the runs of a grade of failure, which gives a search a gradient where no run succeeds yet:
 
     0       success
     0.2     captured, not settled

@@ -5,9 +5,9 @@ One search after another minimises the augmented weighted Tchebycheff distance s
     max(w f_t, (1 - w) f_v) + 0.01 (f_t + f_v),     f = (J - J_best) / (J_worst - J_best)
 
 J being the cost of time and of Δv as `objective` has it, best and worst those of the front so far. The weights w go from the fast
-end to the frugal one, after both ends themselves have been searched for; each search begins with the best candidate so far by
-its own measure, and all share one budget. The front is taken from all candidates that any of them flew. One that succeeds in too
-few starts is worse by any weight than all that succeed in enough.
+end to the one of least Δv, after both ends themselves have been searched for; each search begins with the best candidate so far
+by its own measure, and all share one budget. The front is taken from all candidates that any of them flew. One that succeeds in
+too few starts is worse by any weight than all that succeed in enough.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 NEAR = 0.1
-"""Step of a search that begins with its neighbour's best."""
+"""Initial step of a search that begins with the best candidate of an earlier one."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Front(SearchResult):
     """The compromises that no candidate of the search beats in both time and Δv.
 
     Attributes:
-        points: from the fastest to the most frugal; none where no candidate succeeds in enough of the starts.
+        points: from the fastest to the one of least Δv; none where no candidate succeeds in enough of the starts.
     """
 
     points: tuple[Compromise, ...]
@@ -158,8 +158,8 @@ def pareto_front(
         _sweep(search, _order(weights))
     points = []
     for place in undominated(search.outcomes[:, :2], search.ceilings):
-        spent, delta_v, success = search.outcomes[place].tolist()
-        points.append(Compromise(spent, delta_v, success, search.gains(place)))
+        duration, delta_v, success = search.outcomes[place].tolist()
+        points.append(Compromise(duration, delta_v, success, search.gains(place)))
     return Front(setting=setting, seconds=time.perf_counter() - began, points=tuple(points))
 
 
@@ -182,7 +182,7 @@ def undominated(costs: Array, ceilings: Array) -> list[int]:
 
 
 def _order(weights: int) -> Sequence[float]:
-    """The ends first, then from the fast one to the frugal one."""
+    """The ends first, then from the fast one to the one of least Δv."""
     between = np.linspace(1.0, 0.0, weights)[1:-1]
     return [1.0, 0.0, *(float(weight) for weight in between)]
 
@@ -190,15 +190,15 @@ def _order(weights: int) -> Sequence[float]:
 def _sweep(search: Search, weights: Sequence[float]) -> None:
     """Search by one weight after another; the first ones get what is left of a budget that cannot be shared evenly."""
     least, left = divmod(search.setting.budget - 1, len(weights))
-    for number, weight in enumerate(weights):
+    for index, weight in enumerate(weights):
         costs = search.outcomes[:, :2]
         measure = _measure(costs, search.ceilings, weight)
         minimise(
             lambda points, measure=measure: measure(search(points)[:, :2]),  # type: ignore[misc]  # binds this one
             search.points[int(np.argmin(measure(costs)))],
-            least + (number < left),
-            search.setting.optimiser_seed + number,
-            step=STEP if number == 0 else NEAR,
+            least + (index < left),
+            search.setting.optimiser_seed + index,
+            step=STEP if index == 0 else NEAR,
         )
 
 
@@ -214,7 +214,7 @@ def _measure(costs: Array, ceilings: Array, weight: float) -> Callable[[Array], 
         scaled = (costs - best) / span
         near = (weights * scaled).max(axis=1) + 0.01 * scaled.sum(axis=1)
         feasible = (costs <= ceilings).all(axis=1)
-        # beyond anything that a feasible candidate can come to
+        # more than any feasible candidate can have
         far = 2.0 * (ceilings / span).sum() + (costs / ceilings).sum(axis=1)
         return np.asarray(np.where(feasible, near, far))
 

@@ -116,7 +116,7 @@ class Record:
         for point, (recorded, _) in zip(points, found, strict=False):
             if len(point) != len(recorded) or np.any(np.abs(point - recorded) > _SAME):
                 raise RequestError(
-                    f"{self.path}: recorded by a search that went another way; other versions of libraries do that: begin anew"
+                    f"{self.path}: recorded by a search with other candidates or other versions of libraries: begin anew"
                 )
         self._next += len(found)
         return np.array([outcome for _, outcome in found], float)
@@ -125,7 +125,7 @@ class Record:
         """Add points (k, n) that were flown, and their outcomes (k, m).
 
         Raises:
-            RequestError: the disk does not take them.
+            RequestError: they cannot be written.
         """
         if self.path is not None and len(points):
             self._write({"points": points.tolist(), "outcomes": outcomes.tolist()})
@@ -160,7 +160,7 @@ def _parsed(path: Path, number: int, line: bytes) -> dict[str, Any]:
         if number > 1:
             points, outcomes = (np.array(read[name], float) for name in ("points", "outcomes"))
             if points.ndim != 2 or outcomes.ndim != 2 or len(points) != len(outcomes):
-                raise ValueError("is no list of candidates and what they came to")
+                raise ValueError("is no list of candidates and their outcomes")
             if not (np.isfinite(points).all() and np.isfinite(outcomes).all()):
                 raise ValueError("holds what is no number")
     except (ValueError, KeyError, TypeError, RecursionError, OverflowError) as error:

@@ -1,4 +1,4 @@
-"""A search in progress, for one objective or several: candidates fly in batches, and every evaluation goes on record."""
+"""A search in progress, for one objective or several: candidates fly in batches, and every evaluation is recorded."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Generation:
 
 
 class Search:
-    """Flies candidates, judges them and puts them on record.
+    """Flies candidates, judges them and records the results.
 
     Args:
         setting: what is searched.
@@ -48,7 +48,7 @@ class Search:
 
     Attributes:
         ceilings: (m,) the most that a feasible candidate can cost, of each objective.
-        points: (k, n) of all candidates so far; the first, the scenario's own gains, stands there by its nearest point.
+        points: (k, n) of all candidates so far; the first, the scenario's own gains, is given by its nearest point.
         outcomes: (k, m + 1): costs by the m objectives, and the share of successes.
         history: generation by generation.
     """
@@ -66,7 +66,7 @@ class Search:
         self._trials = Trials(space.base, setting.seed, 0, setting.starts, setting.horizon, end)
 
     def begin(self) -> None:
-        """Fly the first candidate: the scenario's own gains, exactly as they stand there."""
+        """Fly the first candidate: the scenario's own gains, unchanged."""
         self._watcher.begin(self.setting.budget)
         space, nothing = self.setting.space, np.empty((1, 0))
         outcome = self._record.known(nothing)
@@ -82,7 +82,7 @@ class Search:
             points: (k, n) of the unit cube.
 
         Returns:
-            Outcomes (k, m + 1), those on record as they are there.
+            Outcomes (k, m + 1); recorded ones are not flown again.
         """
         space = self.setting.space
         outcomes = self._record.known(points).reshape(-1, self.outcomes.shape[1])

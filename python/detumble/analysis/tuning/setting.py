@@ -1,4 +1,4 @@
-"""What a search for gains is: the gains of one law in one scenario, the objectives, the starts, the budget."""
+"""The setting of a search: the gains of one law in one scenario, the objectives, the starts, the budget."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ BUDGET, STARTS = (1, 10**9), (1, 10**6)
 
 @dataclass(frozen=True)
 class Setting:
-    """What is searched, how candidates are judged, and what every candidate meets.
+    """Gains that are searched for, how candidates are judged, and from which starts they fly.
 
     Attributes:
         space: the gains that are searched for, in their scenario.

@@ -102,7 +102,7 @@ class DaskExecutor:
             return 3 * max(1, len(self._client.nthreads()))
 
     def submit(self, recipe: Recipe, first: int, count: int) -> PendingRuns:
-        """Submit runs to a worker; another takes them over if it dies."""
+        """Submit runs to a worker; if it dies, another flies them."""
         key = f"{recipe.identity}-{first}-{count}-{self._backend}"
         return _DaskRuns(self._client.submit(fly_shard, recipe.to_dict(), first, count, self._backend, key=key))
 

@@ -1,4 +1,4 @@
-"""What flies the shards of a campaign: threads of this process, or the workers of a Dask cluster, behind one interface."""
+"""The interface of executors of shards: threads of this process, or the workers of a Dask cluster."""
 
 from __future__ import annotations
 

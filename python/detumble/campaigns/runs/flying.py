@@ -59,7 +59,7 @@ def fly_runs(
         count: number of runs.
         threads: to use.
         backend: `portable`, `avx2`, `avx512`; None takes the core's choice.
-        progress: called now and then with the number of completed runs; an exception that it raises stops the work.
+        progress: called repeatedly with the number of completed runs; an exception that it raises stops the work.
 
     Raises:
         ScenarioError: the scenario cannot be flown.
@@ -108,16 +108,16 @@ def fly_again(recipe: Recipe, index: int, *, backend: str | None = None) -> Flig
         ScenarioError: the scenario cannot be flown.
         RequestError: rows of this back end differ in their last bits from the campaign's.
     """
-    from detumble.simulation import flown
+    from detumble.simulation import Setup, fly_case
 
     backend = suitable(recipe, backend)
     scenario = recipe.parsed
     differing = overlay(scenario, recipe.law, draw(scenario, recipe.seed, index, 1))
-    numbers = case(scenario, recipe.law, until_the_end=False)
+    core_case = case(scenario, recipe.law, until_the_end=False)
     for path, row in differing.items():
-        _put(numbers, path, row[0].tolist())
+        _put(core_case, path, row[0].tolist())
     own = drawn_scenario(scenario, recipe.seed, index)
-    return flown(own, recipe.law, recipe.seed, index, backend, numbers, list(differing))
+    return fly_case(Setup(own, recipe.law, recipe.seed, index, backend), core_case, list(differing))
 
 
 def suitable(recipe: Recipe, backend: str | None) -> str | None:
@@ -137,14 +137,14 @@ def suitable(recipe: Recipe, backend: str | None) -> str | None:
     return "portable" if recipe.arithmetic == "portable" else backend
 
 
-def _put(numbers: dict[str, Any], path: str, row: list[float]) -> None:
-    *tables, name = path.split(".")
-    for table in tables:
-        numbers = numbers[table]
+def _put(table: dict[str, Any], path: str, row: list[float]) -> None:
+    *parents, name = path.split(".")
+    for parent in parents:
+        table = table[parent]
     if name.endswith("inertia"):
-        numbers[name] = [row[0:3], row[3:6], row[6:9]]
+        table[name] = [row[0:3], row[3:6], row[6:9]]
     else:
-        numbers[name] = row if isinstance(numbers[name], list) else row[0]
+        table[name] = row if isinstance(table[name], list) else row[0]
 
 
 def checked_index(index: int, runs: int) -> int:

@@ -1,4 +1,4 @@
-"""How the probability of success became known, run by run in order of index, and when it was known well enough."""
+"""Convergence of the estimated probability of success, in order of index, and the run at which it is accurate enough."""
 
 from __future__ import annotations
 
@@ -80,15 +80,15 @@ class Prefixes:
         self._extend()
 
     def first_narrow_enough(self, half_width: float) -> int | None:
-        """Find where a campaign that flies until the probability is known so well shall end.
+        """Find where a campaign that flies until the interval is narrow enough ends.
 
         The answer depends on the runs up to that end alone: neither on the order in which shards came, nor on how many
         more there are.
 
         The interval at that end is made as if the length had been fixed beforehand, though the runs themselves chose it.
-        That costs little, as Clopper and Pearson's intervals cover more than they promise: with shards of 16 384 runs and
+        That costs little, as Clopper and Pearson's intervals are conservative: with shards of 16 384 runs and
         nominal 95 %, probabilities from 0.5 to 0.9999 and half widths that take 1 to 12 shards, they cover 93.8 to 99.0 %
-        (exactly, by summing over all that can happen; the tests do it again).
+        (exactly, by summing over all outcomes; a test repeats it).
 
         Args:
             half_width: of the interval of the probability of success, 0 to 0.5.
@@ -100,14 +100,14 @@ class Prefixes:
         return self._ends[int(narrow[0])][0] if narrow.size else None
 
     def curve(self) -> Convergence:
-        """Draw the convergence: at 1, 2, 4, … runs of the first shard, and at about `PREFIXES` ends of shards.
+        """Give the convergence: at 1, 2, 4, … runs of the first shard, and at about `PREFIXES` ends of shards.
 
         Returns:
             The curve up to the end of the part without a gap; empty while run 0 is missing.
         """
         count = len(self._ends)
         chosen = np.unique(np.geomspace(1, count, PREFIXES).round().astype(int)) - 1 if count else ()
-        points = sorted({*self._opening, *(self._ends[number] for number in chosen)})
+        points = sorted({*self._opening, *(self._ends[index] for index in chosen)})
         runs, successes = np.array(points, np.int64).reshape(-1, 2).T
         return Convergence(runs, successes / runs, *clopper_pearson(successes, runs, self.confidence))
 

@@ -1,4 +1,4 @@
-"""Histograms that grow with what they are shown: counts only, so that the order of adding leaves no trace to the bit.
+"""Histograms that are extended value by value: they hold counts only, so the order of adding has no effect, to the bit.
 
 Times are whole control periods, and are counted exactly. Everything else falls into bins of constant relative width, so
 that each quantile is known to a relative accuracy that is fixed beforehand: the sketch of Masson, Rim & Lee (DDSketch,
@@ -23,7 +23,7 @@ Array: TypeAlias = "NDArray[np.float64]"
 Counts: TypeAlias = "NDArray[np.int64]"
 
 BITS = 13
-"""Bits of the mantissa that tell bins apart: 2¹³ bins an octave, 64 kB."""
+"""Bits of the mantissa that distinguish bins: 2¹³ bins an octave, 64 kB."""
 ACCURACY = 0.5 ** (BITS + 1)
 """Largest relative error of a value read back, 6.1e-5: a bin's value is its middle."""
 
@@ -81,7 +81,7 @@ class Histogram(ABC):
 
     @abstractmethod
     def _counted(self, values: Array) -> Array:
-        """Count values; gives them as they are told, (n,)."""
+        """Count values; gives them as the histogram represents them, (n,)."""
 
     @abstractmethod
     def _take(self, other: Histogram) -> None: ...

@@ -1,9 +1,9 @@
-"""What was drawn, as numbers that an outcome can depend on: components, and what an engineer makes of them.
+"""Drawn values as inputs that an outcome can depend on: components, and quantities derived from them.
 
 - Vectors keep their components; their magnitude comes to them: `|debris.tumble_rate|`.
-- An attitude's four numbers mean nothing one by one. In their place stand the angle from the nominal attitude and the
-  components of that turn (rotation vector, body axes), and the attitude error between the bodies at the start.
-- All else stays as it is.
+- An attitude's four components are replaced by the angle from the nominal attitude, the components of that turn
+  (rotation vector, body axes), and the attitude error between the bodies at the start.
+- All other values are inputs as they are.
 """
 
 from __future__ import annotations
@@ -77,5 +77,5 @@ def _nominal(scenario: Scenario, field: str) -> Array:
 
 
 def _varies(values: Array) -> bool:
-    """Tell a spread from round-off: the norm of a turned vector of one length is not the same to the bit."""
+    """Distinguish a spread from round-off: the norm of a turned vector of one length is not the same to the bit."""
     return float(np.ptp(values)) > 1e-9 * float(np.abs(values).max())

@@ -1,4 +1,4 @@
-"""Statistics of a campaign, from its shards as they come: counts only, so that their order leaves no trace to the bit.
+"""Statistics of a campaign, from its shards in any order: counts only, so that the order has no effect, to the bit.
 
 What is kept takes some ten megabytes however many runs there are. No interval assumes anything of the distribution.
 """
@@ -35,7 +35,7 @@ SATURATED = ("force_saturated_share", "torque_saturated_share")
 
 
 class Statistics:
-    """What a campaign has shown so far.
+    """Statistics of the runs so far.
 
     Args:
         control_period: s: times are whole multiples of it.
@@ -164,7 +164,7 @@ class Statistics:
         return Summary.of(self._histograms[choice("quantity", name, self._histograms)], self.confidence)
 
     def ecdf(self, name: str) -> Ecdf:
-        """Give the distribution of a quantity over all runs: a run in which it does not exist never gets there.
+        """Give the distribution of a quantity over all runs: one in which it does not exist counts as infinite.
 
         Args:
             name: one of `TIMES` or `EXTENTS`.

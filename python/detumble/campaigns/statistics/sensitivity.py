@@ -1,4 +1,4 @@
-"""Which of the dispersed parameters the failures and the capture times go back to, from the runs as they were flown.
+"""Which of the dispersed parameters failures and capture times depend on, from the runs as they were flown.
 
 For each input the runs are cut into ten slices of equal size by its value, and each slice's outcomes are held against
 those of all runs. The index is the mean over the slices of the distance between the two distributions, the PAWN index of
@@ -10,8 +10,8 @@ assumption on how the outcome depends on the input.
   between the input's distributions among the failed and among the successful runs, cut into the same slices. That does
   not shrink with the failures' share, so that rare failures may be taken in larger number than they occur.
 
-An index estimated from n runs is never 0. What it is of an input without influence is measured, not assumed: columns of
-dice that nothing depends on go through the same computation, and the threshold lets about one in a thousand pass.
+An index estimated from n runs is never 0. Its level for an input without influence is measured, not assumed: columns of
+independent random numbers go through the same computation, and about one in a thousand of them exceeds the threshold.
 Inputs are judged one by one: a parameter that matters only together with another one may stay below the threshold.
 """
 
@@ -40,7 +40,7 @@ Array: TypeAlias = "NDArray[np.float64]"
 CAPTURE_TIME = "capture_time_s"
 
 RUNS = 12_000
-"""Most runs that an index is estimated from, the first of the campaign: enough to tell 0.03 from nothing."""
+"""Most runs that an index is estimated from, the first of the campaign: enough to distinguish 0.03 from 0."""
 FAILURES = 6_000
 """Most failures from further on that are added to them for the index of failure."""
 FEWEST_RUNS = 100
@@ -48,16 +48,16 @@ FEWEST_OF_A_KIND = 10
 """Fewest failures, and fewest successes, that the index of failure is estimated from."""
 SLICES = 10
 DUMMIES = 100
-"""Columns of dice; with a third of them the threshold itself scatters by a third of what it adds to their mean."""
+"""Columns of random numbers; with a third of them the threshold itself scatters by a third of what it adds to their mean."""
 CLEAR = 4.0
-"""Standard deviations of the dice that the threshold lies above their mean."""
+"""Distance of the threshold from the mean index of these columns, in standard deviations."""
 GROUPS = 10
 """Parts of the sample, each left out once for the confidence."""
 
 
 @dataclass(frozen=True)
 class Influence:
-    """What one input has to do with the outcome.
+    """Influence of one input on the outcome.
 
     Attributes:
         field: path of the field, its component or what is derived from it: `|debris.tumble_rate|`.
@@ -136,7 +136,7 @@ def sensitivities(runs: pl.LazyFrame | pl.DataFrame, scenario: Scenario) -> tupl
 
 
 def pawn() -> Callable[..., Any]:
-    """Give SALib's PAWN analysis; to call early tells early that it is missing.
+    """Give SALib's PAWN analysis; a call before the work starts reports early that it is missing.
 
     Raises:
         RequestError: SALib is not installed.
@@ -200,7 +200,7 @@ def _indices(table: Array, values: Array, of_failure: bool) -> Array:
     """Give the index of each column of a table (n, m) for outcomes (n,): 0 and 1, or times."""
     names = [str(place) for place in range(table.shape[1])]
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # of p-values, which nobody reads
+        warnings.simplefilter("ignore", RuntimeWarning)  # of p-values, which are not used
         found: Array = pawn()({"num_vars": len(names), "names": names}, table, values, S=SLICES)["mean"]
     share = float(values.mean())
     return found / (2.0 * share * (1.0 - share)) if of_failure else found
@@ -209,7 +209,7 @@ def _indices(table: Array, values: Array, of_failure: bool) -> Array:
 def _confidence(table: Array, values: Array, of_failure: bool) -> Array:
     """Give the half width of each index's interval of 95 %.
 
-    By the jackknife, each group of runs left out once: it needs no dice, and the bias of the index drops out.
+    By the jackknife, each group of runs left out once: no random numbers are needed, and the bias of the index cancels.
     """
     from scipy.stats import t  # slow to import
 

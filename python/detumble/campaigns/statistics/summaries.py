@@ -78,7 +78,7 @@ class Summary:
             quantiles[percent] = Quantile(middle, ranked(low), ranked(high))
         mean = deviation = None
         if math.isfinite(histogram.largest):
-            scale = histogram.largest or 1.0  # squares of what a diverging flight asks for would overflow
+            scale = histogram.largest or 1.0  # squares of a diverging flight's commands would overflow
             shares = values / scale
             middle = math.fsum(shares * counts) / count
             mean = scale * middle
@@ -100,7 +100,7 @@ class Summary:
 
 
 class Ecdf(NamedTuple):
-    """Empirical distribution function over all runs, those that never got there included: it may end below 1.
+    """Empirical distribution function over all runs, those without a value included: it may end below 1.
 
     Attributes:
         values: (m,) ascending, in the quantity's unit.
@@ -116,7 +116,7 @@ class Ecdf(NamedTuple):
 
     @classmethod
     def of(cls, histogram: Histogram, runs: int, confidence: float) -> Ecdf:
-        """Draw the function of what a histogram counted.
+        """Give the function of what a histogram counted.
 
         Args:
             histogram: of the runs in which the quantity exists.

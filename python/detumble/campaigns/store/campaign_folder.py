@@ -4,7 +4,7 @@
     shards/shard-000000.parquet ...   shard k holds runs [k n, (k+1) n), n as the recipe says
     .lock                             held by the process that flies
 
-Every file appears whole or not at all, also when power fails. Run i is the same run however many are asked for; so a
+Every file is written whole or not at all, also when power fails. Run i is the same run however many are asked for; so a
 campaign that is continued with more runs grows, and one continued with fewer keeps all it has.
 """
 
@@ -46,7 +46,7 @@ class Store:
 
     Attributes:
         folder: the folder.
-        manifest: what it says of itself.
+        manifest: what is flown, as `campaign.json` has it.
     """
 
     def __init__(self, folder: Path, manifest: Manifest, lock: Lock | None = None) -> None:
@@ -71,10 +71,10 @@ class Store:
             recipe: what is flown.
             runs: how many.
             about: back end and machine, as JSON takes them.
-            resume: continue the campaign if the folder holds it already; what killed writers left is taken away.
+            resume: continue the campaign if the folder holds it already; temporary files of killed processes are removed.
 
         Raises:
-            RequestError: the folder takes no files, holds another campaign, holds this one and `resume` is not set, or
+            RequestError: the folder is not writable, holds another campaign, holds this one and `resume` is not set, or
                 another process is flying it.
         """
         folder = named_folder(folder, "folder")
@@ -108,7 +108,7 @@ class Store:
         return self.manifest.runs
 
     def close(self) -> None:
-        """Let other processes fly the campaign."""
+        """Release the lock of the folder."""
         if self._lock:
             self._lock.close()
 
@@ -120,16 +120,16 @@ class Store:
     ) -> None:
         self.close()
 
-    def path(self, number: int) -> Path:
-        """Say where a shard stands."""
-        return self.folder / "shards" / f"shard-{number:06}.parquet"
+    def path(self, index: int) -> Path:
+        """Give the path of a shard."""
+        return self.folder / "shards" / f"shard-{index:06}.parquet"
 
-    def flown(self) -> int:
+    def stored_runs(self) -> int:
         """Count the runs that are there, from the first on without a gap; what is damaged counts as missing."""
         runs = 0
-        for number in range(self.recipe.shards(self.runs)):
+        for index in range(self.recipe.shards(self.runs)):
             try:
-                rows = rows_in(self.path(number), self.recipe.identity, number)
+                rows = rows_in(self.path(index), self.recipe.identity, index)
             except (FileNotFoundError, Damage):
                 break
             runs += rows
@@ -137,31 +137,31 @@ class Store:
                 break
         return runs
 
-    def write(self, number: int, frame: pl.DataFrame) -> None:
+    def write(self, index: int, frame: pl.DataFrame) -> None:
         """Write a shard, whole or not at all; an older one is replaced.
 
         Args:
-            number: of the shard.
+            index: of the shard.
             frame: as `frame_of` makes it, the first runs of the shard in order.
 
         Raises:
-            RequestError: the disk does not take it.
+            RequestError: it cannot be written.
             ValueError: these are not the runs of this shard.
         """
-        first = number * self.recipe.shard
+        first = index * self.recipe.shard
         expected = np.arange(first, first + frame.height, dtype=np.uint64)
         if not 0 < frame.height <= self.recipe.shard or not np.array_equal(frame[INDEX.name], expected):
-            raise ValueError(f"shard {number}: its rows must be the runs from {first} on, {self.recipe.shard} at most")
+            raise ValueError(f"shard {index}: its rows must be the runs from {first} on, {self.recipe.shard} at most")
         try:
-            _write(self.path(number), encode(frame, self.manifest.identity, number, first))
+            _write(self.path(index), encode(frame, self.manifest.identity, index, first))
         except RequestError as error:
             raise RequestError(f"{error}; the shards that are complete are kept, and --resume continues") from None
 
-    def shard(self, number: int, columns: list[str] | None = None) -> pl.DataFrame:
+    def shard(self, index: int, columns: list[str] | None = None) -> pl.DataFrame:
         """Read a shard and check it to the bit.
 
         Args:
-            number: of the shard.
+            index: of the shard.
             columns: names; None for all.
 
         Returns:
@@ -171,48 +171,48 @@ class Store:
             RequestError: it is missing or damaged.
         """
         try:
-            frame = self._decoded(number)
+            frame = self._decoded(index)
         except FileNotFoundError:
-            raise RequestError(f"{self.path(number)}: missing; --resume flies it again") from None
+            raise RequestError(f"{self.path(index)}: missing; --resume flies it again") from None
         except Damage as why:
-            raise RequestError(f"{self.path(number)}: damaged: {why}; --resume flies it again") from None
+            raise RequestError(f"{self.path(index)}: damaged: {why}; --resume flies it again") from None
         return frame if columns is None else frame.select(columns)
 
     def find(
-        self, number: int, needed: int, remark: Callable[[str], None], *, all_rows: bool = False
+        self, index: int, needed: int, remark: Callable[[str], None], *, all_rows: bool = False
     ) -> pl.DataFrame | None:
         """Look for a shard and check it to the bit.
 
         Args:
-            number: of the shard.
+            index: of the shard.
             needed: rows that are asked for.
-            remark: is told of a shard that is damaged.
+            remark: called with a message about a damaged shard.
             all_rows: give those beyond what is asked for too.
 
         Returns:
             Its first rows; None where it is missing, damaged, or of a shorter campaign.
         """
         try:
-            found = self._decoded(number)
+            found = self._decoded(index)
         except FileNotFoundError:
             return None
         except Damage as why:
-            remark(f"{self.path(number)}: damaged: {why}; it is flown again")
+            remark(f"{self.path(index)}: damaged: {why}; it is flown again")
             return None
         if found.height < needed:
             return None
         return found if all_rows else found.head(needed)
 
-    def _decoded(self, number: int) -> pl.DataFrame:
+    def _decoded(self, index: int) -> pl.DataFrame:
         try:
-            raw = read_bytes(self.path(number), _MOST_BYTES)
+            raw = read_bytes(self.path(index), _MOST_BYTES)
         except FileNotFoundError:
             raise
         except ValueError as error:
             raise Damage(str(error)) from None
         except OSError as error:
             raise Damage(f"cannot be read: {reason(error)}") from None
-        return decode(raw, self.manifest.identity, number, number * self.recipe.shard)
+        return decode(raw, self.manifest.identity, index, index * self.recipe.shard)
 
 
 def _absolute(folder: Path) -> Path:
@@ -246,7 +246,7 @@ def _begun(folder: Path, recipe: Recipe, runs: int, about: dict[str, Any], resum
         raise RequestError(f"{shards}: not empty, but there is no {MANIFEST} that says what it holds")
     try:
         shards.mkdir(exist_ok=True)
-        # we hold the lock: whoever wrote these is gone
+        # this process holds the lock: the writers of these have ended
         for leftover in (*leftovers(folder, MANIFEST), *leftovers(shards, "shard-*.parquet")):
             leftover.unlink()
     except OSError as error:
@@ -263,7 +263,7 @@ def _begun(folder: Path, recipe: Recipe, runs: int, about: dict[str, Any], resum
 
 
 def _write(path: Path, content: bytes) -> None:
-    """Write a file, whole or not at all, so that it outlasts a loss of power."""
+    """Write a file, whole or not at all, and flush it to the disk."""
     with whole_file(path) as temporary, temporary.open("wb") as file:
         file.write(content)
         file.flush()

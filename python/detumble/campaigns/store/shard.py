@@ -112,19 +112,19 @@ def codes(failures: pl.Series) -> NDArray[np.int8]:
     return failures.to_physical().cast(pl.Int8).fill_null(-1).to_numpy()
 
 
-def encode(frame: pl.DataFrame, campaign: str, number: int, first: int) -> bytes:
+def encode(frame: pl.DataFrame, campaign: str, index: int, first: int) -> bytes:
     """Write rows as the file of a shard; equal rows give equal bytes.
 
     Args:
         frame: the rows.
         campaign: identity of the campaign.
-        number: of the shard.
+        index: of the shard.
         first: index of the first run.
     """
     check_polars()
     label = {
         "campaign": campaign,
-        "shard": str(number),
+        "shard": str(index),
         "first": str(first),
         "rows": str(frame.height),
         "units": json.dumps({name: column(name).unit for name in frame.columns}),
@@ -140,13 +140,13 @@ def encode(frame: pl.DataFrame, campaign: str, number: int, first: int) -> bytes
     return raw[:start] + footer.replace(_BLANK, _hash(footer))
 
 
-def decode(raw: bytes, campaign: str, number: int, first: int) -> pl.DataFrame:
+def decode(raw: bytes, campaign: str, index: int, first: int) -> pl.DataFrame:
     """Read the file of a shard, and make sure that it is whole, sound and the right one.
 
     Args:
         raw: the file.
         campaign: identity of the campaign.
-        number: of the shard.
+        index: of the shard.
         first: index of the first run.
 
     Returns:
@@ -157,8 +157,8 @@ def decode(raw: bytes, campaign: str, number: int, first: int) -> pl.DataFrame:
     """
     check_polars()
     start = len(raw) - _footer_length(raw[-_END:], len(raw))
-    label = _label(raw[start:], campaign, number)
-    # before polars reads it: some flipped bits make its reader abort the whole process
+    label = _label(raw[start:], campaign, index)
+    # before polars reads it: some flipped bits make its reader abort the process
     if label["checksum"].encode()[-128:-64] != _hash(raw[:start]):
         raise Damage("its bytes are not those that were written")
     frame = pl.read_parquet(raw)
@@ -169,7 +169,7 @@ def decode(raw: bytes, campaign: str, number: int, first: int) -> pl.DataFrame:
     return frame
 
 
-def rows_in(path: Path, campaign: str, number: int) -> int:
+def rows_in(path: Path, campaign: str, index: int) -> int:
     """Count the rows of a shard by the end of its file, which is checked; the rows themselves are not read.
 
     Raises:
@@ -183,7 +183,7 @@ def rows_in(path: Path, campaign: str, number: int) -> int:
             size = file.seek(0, io.SEEK_END)
             file.seek(max(0, size - _END))
             file.seek(size - _footer_length(file.read(), size))
-            return int(_label(file.read(), campaign, number)["rows"])
+            return int(_label(file.read(), campaign, index)["rows"])
     except FileNotFoundError:
         raise
     except OSError as error:
@@ -197,14 +197,14 @@ def _footer_length(end: bytes, size: int) -> int:
     return length
 
 
-def _label(footer: bytes, campaign: str, number: int) -> dict[str, str]:
+def _label(footer: bytes, campaign: str, index: int) -> dict[str, str]:
     found = _CHECKSUM.search(footer)
     if not found or found[2] != _hash(footer.replace(found[2], _BLANK)):
         raise Damage("the end of the file is not as it was written")
     label = pl.read_parquet_metadata(io.BytesIO(footer))
     if label["campaign"] != campaign:
         raise Damage("belongs to another campaign")
-    if label["shard"] != str(number):
+    if label["shard"] != str(index):
         raise Damage(f"is shard {label['shard']} under another's name")
     return label
 

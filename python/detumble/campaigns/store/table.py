@@ -38,28 +38,28 @@ class Runs:
     """
 
     def __init__(self, store: Store, runs: int | None = None) -> None:
-        self._store = store  # while that lives, a temporary folder does
+        self._store = store  # keeps a temporary folder alive
         self._recipe = store.recipe
         self._runs = store.runs if runs is None else runs
-        self._paths = [store.path(number) for number in range(self._recipe.shards(self._runs))]
-        faults = {number: fault for number in range(len(self._paths)) if (fault := self._fault(number))}
+        self._paths = [store.path(index) for index in range(self._recipe.shards(self._runs))]
+        faults = {index: fault for index in range(len(self._paths)) if (fault := self._fault(index))}
         if faults:
             whole = min(faults) * self._recipe.shard
-            told = [f"shard {number} {fault}" for number, fault in list(faults.items())[:3]]
-            told += [f"and {len(faults) - 3} more shards"] if len(faults) > 3 else []
+            listed = [f"shard {index} {fault}" for index, fault in list(faults.items())[:3]]
+            listed += [f"and {len(faults) - 3} more shards"] if len(faults) > 3 else []
             raise RequestError(
-                f"{store.folder}: of {self._runs} runs only the first {whole} can be read: {', '.join(told)}; "
+                f"{store.folder}: of {self._runs} runs only the first {whole} can be read: {', '.join(listed)}; "
                 "--resume flies what is missing"
             )
 
-    def _fault(self, number: int) -> str:
+    def _fault(self, index: int) -> str:
         try:
-            rows = rows_in(self._paths[number], self._recipe.identity, number)
+            rows = rows_in(self._paths[index], self._recipe.identity, index)
         except FileNotFoundError:
             return "is missing"
         except Damage as why:
             return f"is damaged ({why})"
-        needed = len(self._recipe.runs_of(number, self._runs))
+        needed = len(self._recipe.runs_of(index, self._runs))
         return f"has {rows} of {needed} runs" if rows < needed else ""
 
     def __len__(self) -> int:
@@ -132,11 +132,11 @@ class _StoredColumn(BackendArray):
         """Read the values at increasing positions."""
         check_polars()
         read = np.empty(len(positions), self.dtype)
-        numbers = range(positions[0] // self._rows, positions[-1] // self._rows + 1) if len(positions) else ()
-        for number in numbers:
-            first = number * self._rows
+        shards = range(positions[0] // self._rows, positions[-1] // self._rows + 1) if len(positions) else ()
+        for index in shards:
+            first = index * self._rows
             low, high = bisect_left(positions, first), bisect_left(positions, first + self._rows)
             if low < high:
-                stored = pl.read_parquet(self._store.path(number), columns=[self.name], glob=False)
+                stored = pl.read_parquet(self._store.path(index), columns=[self.name], glob=False)
                 read[low:high] = values(stored[self.name])[np.asarray(positions[low:high]) - first]
         return read

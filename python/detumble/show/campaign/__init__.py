@@ -1,20 +1,20 @@
-"""Pictures of a campaign: each takes arrays, counts or statistics and writes one file."""
+"""Pictures of a campaign: each takes arrays, counts or statistics and gives one figure."""
 
-from detumble.show.campaign.causes import failures
+from detumble.show.campaign.causes import plot_failures
 from detumble.show.campaign.frame import Caption
-from detumble.show.campaign.influence import sensitivity
-from detumble.show.campaign.precision import convergence
-from detumble.show.campaign.success import success_map
-from detumble.show.campaign.times import capture_times
-from detumble.show.campaign.trajectories import Trace, envelope
+from detumble.show.campaign.influence import plot_sensitivity
+from detumble.show.campaign.precision import plot_convergence
+from detumble.show.campaign.success import plot_success_map
+from detumble.show.campaign.times import plot_capture_times
+from detumble.show.campaign.trajectories import Trace, plot_envelope
 
 __all__ = [
     "Caption",
     "Trace",
-    "capture_times",
-    "convergence",
-    "envelope",
-    "failures",
-    "sensitivity",
-    "success_map",
+    "plot_capture_times",
+    "plot_convergence",
+    "plot_envelope",
+    "plot_failures",
+    "plot_sensitivity",
+    "plot_success_map",
 ]

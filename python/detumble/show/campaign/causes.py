@@ -1,4 +1,4 @@
-"""How many runs succeeded, and what the others failed of."""
+"""Shares of successful runs and of each cause of failure."""
 
 from __future__ import annotations
 
@@ -6,12 +6,9 @@ from collections.abc import Mapping
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from detumble.show.campaign.frame import PLAIN, QUIET, Caption, counted, page, percent, say
-from detumble.show.style import save, styled
+from detumble.show.campaign.frame import PLAIN, QUIET, Caption, counted, page, percent, show_message
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -23,27 +20,14 @@ LINE = 30
 """Letters in a line of a cause's name."""
 
 
-def failures(success: Proportion, causes: Mapping[str, Proportion], caption: Caption, path: Path) -> Path:
-    """Write the share of successes, and below it, on a scale of its own, that of each cause of failure.
+def plot_failures(success: Proportion, causes: Mapping[str, Proportion], caption: Caption) -> Figure:
+    """Plot the share of successes, and below it, on a scale of its own, that of each cause of failure; within `styled()`.
 
     Args:
         success: runs that succeeded.
         causes: runs that failed, by cause, in the order to show; empty if none did.
         caption: what was flown.
-        path: the file, ending in .png or .svg; an older one is replaced.
-
-    Returns:
-        The path.
-
-    Raises:
-        RequestError: it cannot be written.
     """
-    with styled():
-        return save(draw_failures(success, causes, caption), [path])[0]
-
-
-def draw_failures(success: Proportion, causes: Mapping[str, Proportion], caption: Caption) -> Figure:
-    """Draw the figure in memory, of the same arguments; call it within `styled()`."""
     names = ["\n".join(wrap(cause, LINE, max_lines=3, placeholder=" …")) for cause in causes]
     rows = max(2.0, sum(0.6 + 0.5 * name.count("\n") + 0.4 for name in names))
     figure = page(caption, WIDTH, 2.6 + 0.34 * rows, "whiskers and brackets: exact interval of 95 % (Clopper–Pearson)")
@@ -51,7 +35,7 @@ def draw_failures(success: Proportion, causes: Mapping[str, Proportion], caption
     _bars(above, ["success"], [success], caption.colour, 1.0)
     above.set_xlim(0.0, 1.0)
     if not causes:
-        say(below, f"no failure in {counted(success.runs, 'run')}: its probability is below {_bound(success)}")
+        show_message(below, f"no failure in {counted(success.runs, 'run')}: its probability is below {_bound(success)}")
         return figure
     _bars(below, names, list(causes.values()), PLAIN, max(found.high for found in causes.values()))
     below.set_title("failures by cause (own scale)", color=QUIET)
@@ -60,7 +44,7 @@ def draw_failures(success: Proportion, causes: Mapping[str, Proportion], caption
 
 
 def _bars(axes: Axes, names: list[str], found: list[Proportion], colour: str, most: float) -> None:
-    """Draw shares with their whiskers; the numbers stand to the right, where no bar comes."""
+    """Plot shares with their whiskers; the numbers are to the right of the panel."""
     for row, one in enumerate(found):
         axes.barh(row, one.share, height=0.6, color=colour, zorder=2.0)
         axes.plot([one.low, one.high], [row, row], "|-", color="black", markersize=8.0, linewidth=1.1, zorder=2.5)

@@ -1,4 +1,4 @@
-"""What the pictures of a campaign have in common: the page with its headline, and how counts and shares are written."""
+"""Common parts of the pictures of a campaign: the page with its headline, and text of counts and shares."""
 
 from __future__ import annotations
 
@@ -78,8 +78,8 @@ def below_headline(notes: int) -> float:
     return _TITLE + (1 + notes) * _LINE + 0.05
 
 
-def say(axes: Axes, text: str) -> None:
-    """Write in the middle of a panel why it is empty, and take its axes away."""
+def show_message(axes: Axes, text: str) -> None:
+    """Write into an empty panel why it is empty, without axes."""
     axes.set_axis_off()
     axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color=QUIET, wrap=True)
 
@@ -91,9 +91,9 @@ def counted(number: int, what: str = "") -> str:
 
 
 def percent(found: Proportion) -> str:
-    """Write a share in percent with its interval, as many digits as that interval is worth: 99.21 % (98.98–99.40).
+    """Write a share in percent with its interval, with the digits that the interval justifies: 99.21 % (98.98–99.40).
 
-    Where none or all of the runs have the property, the interval has one end of its own: 0 % (below 0.037).
+    Where none or all of the runs have the property, the interval is one-sided: 0 % (below 0.037).
     """
     half = 100.0 * found.half_width
     if found.runs and found.count == 0:

@@ -1,4 +1,4 @@
-"""Which dispersed parameters failures and capture times go back to."""
+"""Sensitivity of failures and capture times to the dispersed parameters."""
 
 from __future__ import annotations
 
@@ -6,12 +6,10 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from detumble.show.campaign.frame import PLAIN, QUIET, Caption, counted, page, say
-from detumble.show.style import LIMIT, save, shortened, styled
+from detumble.show.campaign.frame import PLAIN, QUIET, Caption, counted, page, show_message
+from detumble.show.style import LIMIT, shortened
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -25,26 +23,13 @@ TITLES = {"failure": "failure", "capture_time_s": "capture time"}
 """Of outcomes."""
 
 
-def sensitivity(outcomes: Sequence[Sensitivity], caption: Caption, path: Path) -> Path:
-    """Write the indices of each outcome side by side, a row for each parameter, with the threshold of the dice.
+def plot_sensitivity(outcomes: Sequence[Sensitivity], caption: Caption) -> Figure:
+    """Plot the indices of each outcome side by side, a row for each parameter, with their threshold; within `styled()`.
 
     Args:
         outcomes: failure and capture time, or one of them.
         caption: what was flown.
-        path: the file, ending in .png or .svg; an older one is replaced.
-
-    Returns:
-        The path.
-
-    Raises:
-        RequestError: it cannot be written.
     """
-    with styled():
-        return save(draw_sensitivity(outcomes, caption), [path])[0]
-
-
-def draw_sensitivity(outcomes: Sequence[Sensitivity], caption: Caption) -> Figure:
-    """Draw the figure in memory, of the same arguments; call it within `styled()`."""
     ranked = ranking(outcomes)
     fields = ranked[:MOST]
     left_out = f"   ·   {counted(len(ranked) - MOST)} weaker ones not shown" if len(ranked) > MOST else ""
@@ -56,7 +41,7 @@ def draw_sensitivity(outcomes: Sequence[Sensitivity], caption: Caption) -> Figur
         title = f"{TITLES.get(outcome.outcome, outcome.outcome)}, from {counted(outcome.runs, 'run')}"
         axes.set_title(title, color=QUIET)
         if outcome.silence or not outcome.influences:
-            say(axes, outcome.silence or "no parameter varies")
+            show_message(axes, outcome.silence or "no parameter varies")
         else:
             _bars(axes, outcome, fields, caption.colour)
             _set_rows(axes, fields, named=not named)

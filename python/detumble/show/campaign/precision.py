@@ -1,4 +1,4 @@
-"""How well the probability of success was known as the runs came in."""
+"""Convergence of the probability of success with the number of runs."""
 
 from __future__ import annotations
 
@@ -7,13 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from detumble.intervals import Proportion
-from detumble.show.axes import draw_level
-from detumble.show.campaign.frame import QUIET, Caption, counted, page, percent, say
-from detumble.show.style import LIMIT, save, styled
+from detumble.show.axes import plot_level
+from detumble.show.campaign.frame import QUIET, Caption, counted, page, percent, show_message
+from detumble.show.style import LIMIT
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -27,31 +25,18 @@ PALE = "#E4E4E4"
 """Colour of the final interval."""
 
 
-def convergence(curve: Convergence, caption: Caption, path: Path, target: float | None = None) -> Path:
-    """Write the estimate of the probability of success over the number of runs, and the half width of its interval.
+def plot_convergence(curve: Convergence, caption: Caption, target: float | None = None) -> Figure:
+    """Plot the probability of success over the number of runs, and the half width of its interval; within `styled()`.
 
     Args:
         curve: (m,) estimates; may be empty.
         caption: what was flown.
-        path: the file, ending in .png or .svg; an older one is replaced.
         target: half width that was asked for.
-
-    Returns:
-        The path.
-
-    Raises:
-        RequestError: it cannot be written.
     """
-    with styled():
-        return save(draw_convergence(curve, caption, target), [path])[0]
-
-
-def draw_convergence(curve: Convergence, caption: Caption, target: float | None = None) -> Figure:
-    """Draw the figure in memory, of the same arguments; call it within `styled()`."""
     figure = page(caption, 9.5, 6.2)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.5, 1.0])
     if not len(curve.runs):
-        say(above, "no runs yet")
+        show_message(above, "no runs yet")
         below.set_axis_off()
         return figure
     _estimate(above, curve, caption)
@@ -100,4 +85,4 @@ def _half_width(axes: Axes, curve: Convergence, colour: str, target: float | Non
         text += f", met at {counted(runs, 'run')}"
     else:
         text += ", not yet met"
-    draw_level(axes, [target], text, above=False, at=0.005)
+    plot_level(axes, [target], text, above=False, at=0.005)

@@ -1,4 +1,4 @@
-"""Where in the plane of two drawn parameters the runs succeed, and how well each cell is known."""
+"""Probability of success over two drawn parameters, with the interval of each cell."""
 
 from __future__ import annotations
 
@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from detumble.intervals import clopper_pearson
+from detumble.show.axes import label_decades
 from detumble.show.campaign.frame import Caption, counted, page
 from detumble.show.series import Array
-from detumble.show.style import LIMIT, heading, save, styled
+from detumble.show.style import LIMIT, heading
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from matplotlib.axes import Axes
-    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
@@ -30,14 +28,14 @@ WIDE = 0.1
 TAIL = 5e-4
 """Share of the runs on either side that may lie beyond the axes, if they lie far out."""
 DECADES_FROM = 30.0
-"""A positive parameter that varies by more than this factor is drawn in decades."""
+"""A positive parameter that varies by more than this factor is shown in decades."""
 COLOURS = "viridis"
 
 
-def success_map(
-    x: Array, y: Array, success: NDArray[np.bool_], labels: tuple[str, str], caption: Caption, path: Path
-) -> Path:
-    """Write the probability of success over two parameters, and over each of them alone.
+def plot_success_map(
+    x: Array, y: Array, success: NDArray[np.bool_], labels: tuple[str, str], caption: Caption
+) -> Figure:
+    """Plot the probability of success over two parameters, and over each of them alone; within `styled()`.
 
     Args:
         x: (n,) drawn values of the parameter to the right; n at least 1.
@@ -45,22 +43,7 @@ def success_map(
         success: (n,) of each run.
         labels: of the two parameters, with units.
         caption: what was flown.
-        path: the file, ending in .png or .svg; an older one is replaced.
-
-    Returns:
-        The path.
-
-    Raises:
-        RequestError: it cannot be written.
     """
-    with styled():
-        return save(draw_success_map(x, y, success, labels, caption), [path])[0]
-
-
-def draw_success_map(
-    x: Array, y: Array, success: NDArray[np.bool_], labels: tuple[str, str], caption: Caption
-) -> Figure:
-    """Draw the figure in memory, of the same arguments; call it within `styled()`."""
     (across, log_across), (up, log_up) = edges(x), edges(y)
     runs, good = cells(x, y, success, across, up)
     low, high = clopper_pearson(good, runs)
@@ -72,7 +55,7 @@ def draw_success_map(
     axes.set_yscale("log" if log_up else "linear")
     for axis, log in ((axes.xaxis, log_across), (axes.yaxis, log_up)):
         if log:
-            _write_decades(axis)
+            label_decades(axis)
     _map(axes, figure.add_subplot(grid[1, 2]), (across, up), np.where(known, good / np.maximum(runs, 1), np.nan))
     wide = np.argwhere(known & (half > WIDE))
     middle = [_middle(part, log) for part, log in ((across, log_across), (up, log_up))]
@@ -119,16 +102,16 @@ def edges(values: Array) -> tuple[Array, bool]:
         low, high = least, most
     decades = 0.0 < DECADES_FROM * low < high
     share = max(math.sqrt(AIM / len(values)), 0.8 / MOST_BINS)
-    count = 2 * max(1, int(0.8 / share))  # of an even spread, two each are merged whatever the dice
+    count = 2 * max(1, int(0.8 / share))  # of an even spread, two each are merged whatever the draws
     even = np.geomspace(low, high, count + 1) if decades else np.linspace(low, high, count + 1)
     filled = np.bincount(_bins(values, even), minlength=count)
     kept, held = [float(even[0])], 0
-    for number, edge in zip(filled, even[1:], strict=True):
-        held += int(number)
+    for runs, edge in zip(filled, even[1:], strict=True):
+        held += int(runs)
         if held >= share * len(values):
             kept.append(float(edge))
             held = 0
-    kept[max(len(kept) - 1, 1) :] = [float(even[-1])]  # a rest goes to the bin before it
+    kept[max(len(kept) - 1, 1) :] = [float(even[-1])]  # a remainder is merged into the bin before it
     return np.array(kept), decades
 
 
@@ -154,7 +137,7 @@ def cells(
 
 
 def _bins(values: Array, bounds: Array) -> NDArray[np.int64]:
-    """Number of the bin of each value; what lies beyond goes to the outermost."""
+    """Index of the bin of each value; what lies beyond goes to the outermost."""
     return np.searchsorted(bounds[1:-1], values, side="right")
 
 
@@ -197,7 +180,7 @@ def _margin(
     *,
     flat: bool,
 ) -> list[float]:
-    """Draw the probability over one parameter with its intervals; give their ends."""
+    """Plot the probability over one parameter with its intervals; give their ends."""
     low, high = clopper_pearson(good, runs)
     share = np.where(runs > 0, good / np.maximum(runs, 1), np.nan)
     bars, whiskers, line = (
@@ -207,14 +190,6 @@ def _margin(
     bars(share, bounds[:-1], bounds[1:], color="black", linewidth=2.0)
     whiskers(middle, low, high, color="black", linewidth=1.0)
     return [float(low.min()), float(high.max())]
-
-
-def _write_decades(axis: Axis) -> None:
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
-
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axis.set_minor_locator(NullLocator())
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def _middle(bounds: Array, log: bool) -> Array:

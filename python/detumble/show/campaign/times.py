@@ -1,4 +1,4 @@
-"""How soon the runs of a campaign capture, and how many never do: one law, or several side by side."""
+"""Distribution of the capture times of a campaign, with the share that never captures: one law, or several."""
 
 from __future__ import annotations
 
@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from detumble.intervals import Proportion
-from detumble.show.axes import draw_level, set_log_time
+from detumble.show.axes import plot_level, set_log_time
 from detumble.show.campaign.frame import QUIET, Caption, below_headline, page, percent
 from detumble.show.series import Array, round_up
-from detumble.show.style import look, save, styled
+from detumble.show.style import look
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -26,34 +24,21 @@ SIZE = (11.0, 5.0)
 MARKED = (0.5, 0.95)
 """Shares of all runs whose times are marked."""
 SPREAD = 20.0
-"""Times that lie this many times apart are drawn in decades."""
+"""Times whose ratio exceeds this are shown in decades."""
 _ROW = 0.22
 """Height of a row of the table, inches."""
 _COLUMNS = (0.11, 0.2, 0.312, 0.395, 0.595, 0.707, 0.79)
 """Where the columns of the table begin, shares of the width: the law, then two times and a share for each event."""
 
 
-def capture_times(captured: Mapping[str, Ecdf], settled: Mapping[str, Ecdf], caption: Caption, path: Path) -> Path:
-    """Write the distribution of capture times over all runs, in full and as the share that still has not captured.
+def plot_capture_times(captured: Mapping[str, Ecdf], settled: Mapping[str, Ecdf], caption: Caption) -> Figure:
+    """Plot the distribution of capture times, in full and as the share that still has not captured; within `styled()`.
 
     Args:
         captured: by law, distribution of the capture time, s; at least one law.
         settled: by law, that of the time from the start until the stack has settled, s; laws may be missing.
         caption: what was flown.
-        path: the file, ending in .png or .svg; an older one is replaced.
-
-    Returns:
-        The path.
-
-    Raises:
-        RequestError: it cannot be written.
     """
-    with styled():
-        return save(draw_capture_times(captured, settled, caption), [path])[0]
-
-
-def draw_capture_times(captured: Mapping[str, Ecdf], settled: Mapping[str, Ecdf], caption: Caption) -> Figure:
-    """Draw the figure in memory, of the same arguments; call it within `styled()`."""
     width, height = SIZE
     room = _ROW * (len(captured) + 1) + 0.1
     figure = page(caption, width, height + room, room=room)
@@ -69,7 +54,7 @@ def draw_capture_times(captured: Mapping[str, Ecdf], settled: Mapping[str, Ecdf]
 
 
 def time_of(curve: Ecdf, share: float) -> float | None:
-    """Give the time, s, by which a share of all runs got there; None if fewer ever did."""
+    """Give the time, s, by which a share of all runs had the event; None if fewer ever had it."""
     place = int(np.searchsorted(curve.fraction, share - 1e-12))
     return float(curve.values[place]) if place < len(curve.values) else None
 
@@ -97,7 +82,7 @@ def _distribution(axes: Axes, captured: Mapping[str, Ecdf], settled: Mapping[str
     axes.set_ylabel("share of runs that have captured [–]")
     axes.set_title("bold: captured   ·   thin: settled" if settled else "", color=QUIET)
     for share in MARKED:
-        draw_level(axes, [share], f"{100 * share:g} %", above=False)
+        plot_level(axes, [share], f"{100 * share:g} %", above=False)
     for curves, wide, opacity in ((settled, False, 0.1), (captured, True, 0.2)):
         for law, curve in curves.items():
             style = look(law)
@@ -148,7 +133,7 @@ def _never(curve: Ecdf, runs: int) -> int:
 
 
 def _table(figure: Figure, captured: Mapping[str, Ecdf], settled: Mapping[str, Ecdf], runs: int) -> None:
-    """What the curves say in numbers, a row for each law; the name stands beside its line."""
+    """What the curves show_message in numbers, a row for each law; the name stands beside its line."""
     from matplotlib.lines import Line2D
 
     height = figure.get_figheight()
@@ -167,7 +152,7 @@ def _table(figure: Figure, captured: Mapping[str, Ecdf], settled: Mapping[str, E
         )  # fmt: skip
         figure.add_artist(sample)
         figure.text(columns[0], at, style.label, va="center", fontweight="bold", color=style.colour, parse_math=False)
-        words = _said(captured[law], runs) + (_said(settled[law], runs) if law in settled else [])
+        words = _texts(captured[law], runs) + (_texts(settled[law], runs) if law in settled else [])
         for column, word in zip(columns[1:], words, strict=False):
             figure.text(column, at, word, va="center", fontsize=9.0)
 
@@ -177,7 +162,7 @@ def _heads(event: str) -> list[str]:
     return [f"{event}: {first}", *others, "never (95 % interval)"]
 
 
-def _said(curve: Ecdf, runs: int) -> list[str]:
+def _texts(curve: Ecdf, runs: int) -> list[str]:
     times = [time_of(curve, share) for share in MARKED]
     never = percent(Proportion.of(_never(curve, runs), runs))
     return [*("not reached" if time is None else f"{time:.1f} s" for time in times), never]

@@ -1,4 +1,4 @@
-"""What the flights of a campaign look like over time: median, band and extremes of those still under way."""
+"""Quantities of a campaign's flights over time: median, band and extremes of the flights still under way."""
 
 from __future__ import annotations
 
@@ -8,25 +8,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from detumble.show.axes import TIME_LABEL, draw_level
+from detumble.show.axes import TIME_LABEL, plot_level
 from detumble.show.campaign.frame import Caption, counted, page
 from detumble.show.series import LARGEST, Array, round_up
-from detumble.show.style import save, styled
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 LEVELS = (0.0, 0.05, 0.5, 0.95, 1.0)
-"""Quantiles drawn."""
+"""Quantiles shown."""
 MOST_TIMES = 1000
 """Columns kept of longer histories."""
 FEW = 10
 """Flights under way below which they have extremes, but neither median nor band, unless there were fewer from the start."""
 DECADES_FROM = 30.0
-"""A quantity that changes by more than this factor is drawn in decades."""
+"""A quantity that changes by more than this factor is shown in decades."""
 
 
 @dataclass(frozen=True)
@@ -44,27 +41,14 @@ class Trace:
     thresholds: Mapping[str, float] = field(default_factory=dict)
 
 
-def envelope(time: Array, traces: Sequence[Trace], caption: Caption, path: Path) -> Path:
-    """Write the quantities of many flights over time, a panel each, and how many of the flights are still under way.
+def plot_envelope(time: Array, traces: Sequence[Trace], caption: Caption) -> Figure:
+    """Plot quantities of many flights over time, a panel each, and how many flights are under way; within `styled()`.
 
     Args:
         time: (K,) s, ascending.
         traces: what to show, of the same flights: distance to the goal, attitude error, relative rate.
         caption: what was flown.
-        path: the file, ending in .png or .svg; an older one is replaced.
-
-    Returns:
-        The path.
-
-    Raises:
-        RequestError: it cannot be written.
     """
-    with styled():
-        return save(draw_envelope(time, traces, caption), [path])[0]
-
-
-def draw_envelope(time: Array, traces: Sequence[Trace], caption: Caption) -> Figure:
-    """Draw the figure in memory, of the same arguments; call it within `styled()`."""
     flights = len(traces[0].values)
     shown = f"{counted(flights)} of them, while under way"
     note = f"{shown}   ·   line: median   ·   band: 5–95 %   ·   thin: least and greatest   ·   dashed: thresholds"
@@ -120,7 +104,7 @@ def _panel(axes: Axes, time: Array, trace: Trace, every: int, colour: str) -> No
     axes.set_ylabel(trace.label)
     _set_scale(axes, trace, low, high, most)
     for text, value in trace.thresholds.items():
-        draw_level(axes, [value], text)
+        plot_level(axes, [value], text)
 
 
 def _set_scale(axes: Axes, trace: Trace, low: Array, high: Array, most: Array) -> None:

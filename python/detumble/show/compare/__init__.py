@@ -5,20 +5,22 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from detumble.results import results_folder
-from detumble.show.compare.changes import SweepCurves, draw_changes
+from detumble.show.compare.changes import SweepCurves, plot_changes
 from detumble.show.compare.frame import Sheet, looks_of
-from detumble.show.compare.pairs import Matrix, Pairs, draw_pairs
-from detumble.show.compare.times import CaptureTimes, draw_times
+from detumble.show.compare.pairs import Matrix, Pairs, plot_pairs
+from detumble.show.compare.times import CaptureTimes, plot_times
 from detumble.show.style import save, styled
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-__all__ = ["CaptureTimes", "Matrix", "Pairs", "Sheet", "SweepCurves", "draw", "looks_of"]
+__all__ = ["CaptureTimes", "Matrix", "Pairs", "Sheet", "SweepCurves", "looks_of", "write_pictures"]
 
 
-def draw(folder: Path, sheet: Sheet, times: CaptureTimes, pairs: Pairs, sweeps: Sequence[SweepCurves]) -> list[Path]:
+def write_pictures(
+    folder: Path, sheet: Sheet, times: CaptureTimes, pairs: Pairs, sweeps: Sequence[SweepCurves]
+) -> list[Path]:
     """Write all pictures into a folder; older ones are replaced.
 
     Args:
@@ -26,7 +28,7 @@ def draw(folder: Path, sheet: Sheet, times: CaptureTimes, pairs: Pairs, sweeps: 
         sheet: headline and entries of all pictures.
         times: of `capture-times.png`.
         pairs: of `pairs.png`.
-        sweeps: of `robustness.png`; without any it is not drawn.
+        sweeps: of `robustness.png`; without any it is not written.
 
     Returns:
         The files.
@@ -36,6 +38,6 @@ def draw(folder: Path, sheet: Sheet, times: CaptureTimes, pairs: Pairs, sweeps: 
     """
     names = ["capture-times.png", "pairs.png", *(["robustness.png"] if sweeps else [])]
     with results_folder(folder, names), styled():
-        figures = [draw_times(sheet, times), draw_pairs(sheet, pairs)]
-        figures += [draw_changes(sheet, sweeps)] if sweeps else []
+        figures = [plot_times(sheet, times), plot_pairs(sheet, pairs)]
+        figures += [plot_changes(sheet, sweeps)] if sweeps else []
         return [save(figure, [folder / name])[0] for name, figure in zip(names, figures, strict=True)]

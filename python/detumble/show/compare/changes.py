@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from detumble.show.axes import label_decades
 from detumble.show.campaign.frame import QUIET, counted
 from detumble.show.style import LIMIT
 
@@ -27,7 +28,7 @@ class SweepCurves:
     """What every entry gives along one sweep.
 
     Attributes:
-        label: of the number that is changed, with its unit.
+        label: of the value that is changed, with its unit.
         own: the scenario's own value.
         values: (m,) that were flown.
         decades: count decades along the axis.
@@ -45,17 +46,17 @@ class SweepCurves:
     times: Array
 
 
-def draw_changes(sheet: Sheet, sweeps: Sequence[SweepCurves]) -> Figure:
-    """Draw the figure in memory; call it within `styled()`.
+def plot_changes(sheet: Sheet, sweeps: Sequence[SweepCurves]) -> Figure:
+    """Plot the figure in memory; call it within `styled()`.
 
     Args:
         sheet: headline and entries.
         sweeps: at least one.
     """
-    flown = counted(sweeps[0].runs, "run")
+    runs = counted(sweeps[0].runs, "run")
     figure = sheet.page(
         *SIZE,
-        f"the first {flown}, one number changed at a time, nothing tuned anew   ·   dashed: as the scenario has it",
+        f"the first {runs}, one value changed at a time, nothing tuned anew   ·   dashed: as the scenario has it",
     )
     panels = figure.subplots(2, len(sweeps), sharex="col", sharey="row", squeeze=False)
     any_time = False
@@ -76,7 +77,8 @@ def draw_changes(sheet: Sheet, sweeps: Sequence[SweepCurves]) -> Figure:
     panels[1, 0].set_ylabel("median capture time [s]")
     if any_time:
         panels[1, 0].set_title("a line ends where half of the runs fail", color=QUIET)
-        _set_decades(panels[1, 0])
+        panels[1, 0].set_yscale("log")
+        label_decades(panels[1, 0].yaxis)
     else:
         panels[1, 0].set_title("everywhere half of the runs fail", color=QUIET)
     return figure
@@ -92,13 +94,3 @@ def _set_changes(axes: Axes, values: tuple[float, ...], decades: bool) -> None:
     axes.xaxis.set_minor_locator(NullLocator())
     margin = 1.08 if decades else 1.0
     axes.set_xlim(values[0] / margin - (0.0 if decades else 0.03), values[-1] * margin + (0.0 if decades else 0.03))
-
-
-def _set_decades(axes: Axes) -> None:
-    """Count decades where times lie far apart, with readable numbers."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
-
-    axes.set_yscale("log")
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.yaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

@@ -1,4 +1,4 @@
-"""What the pictures of a comparison have in common: how entries look, the headline, the legend."""
+"""Common parts of the pictures of a comparison: looks of the entries, headline, legend."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ DASHES: tuple[Dashes, ...] = ("-", (0, (7.0, 1.5, 1.0, 1.5)), (0, (7.0, 1.5, 1.0
 CORRECTED_DASHES: tuple[Dashes, ...] = ((0, (4.0, 1.6)), (0, (1.2, 1.2)), (0, (4.0, 1.4, 1.2, 1.4)))
 """Likewise, of its corrected form."""
 NAME = 26
-"""Most characters of the name of an entry; five columns of a legend have room for those of a law and its form."""
+"""Most characters of the name of an entry; five columns of a legend fit the name of a law and its form."""
 _ROW = 0.2
 """Height of a row of the legend, inches."""
 
 
 @dataclass(frozen=True)
 class EntryLook:
-    """How an entry is drawn.
+    """Appearance of an entry.
 
     Attributes:
         label: its name, shortened.
@@ -62,12 +62,12 @@ def looks_of(entries: Sequence[tuple[str, str, str | None]]) -> list[EntryLook]:
     met: dict[tuple[str, str | None], int] = {}
     found = []
     for name, law, form in entries:
-        number = met[law, form] = met.get((law, form), -1) + 1
+        index = met[law, form] = met.get((law, form), -1) + 1
         style, corrected = look(law), form == "corrected"
         dashes = CORRECTED_DASHES if corrected else DASHES
         fill = "white" if corrected else style.colour
         label = shortened(name, NAME)
-        found.append(EntryLook(label, style.colour, dashes[min(number, len(dashes) - 1)], style.marker, fill))
+        found.append(EntryLook(label, style.colour, dashes[min(index, len(dashes) - 1)], style.marker, fill))
     return found
 
 

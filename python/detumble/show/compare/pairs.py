@@ -1,4 +1,4 @@
-"""Every entry against every other on common runs: by how much, how surely, and who ranks above whom."""
+"""Every entry against every other on common runs: difference, significance, and order."""
 
 from __future__ import annotations
 
@@ -55,8 +55,8 @@ class Pairs:
     significant: float
 
 
-def draw_pairs(sheet: Sheet, pairs: Pairs) -> Figure:
-    """Draw the figure in memory; call it within `styled()`."""
+def plot_pairs(sheet: Sheet, pairs: Pairs) -> Figure:
+    """Plot the figure in memory; call it within `styled()`."""
     count = len(sheet.looks)
     size = max(3.4, 0.52 * count + 1.6)
     notes = (
@@ -67,7 +67,7 @@ def draw_pairs(sheet: Sheet, pairs: Pairs) -> Figure:
     figure = sheet.page(max(9.5, 1.2 * count + 3.0), size, *notes, legend=False)
     panels = figure.subplots(1, len(pairs.matrices), sharey=True)
     for axes, matrix in zip(panels, pairs.matrices, strict=True):
-        _draw_matrix(axes, sheet, matrix, pairs.above)
+        _plot_matrix(axes, sheet, matrix, pairs.above)
     labels = [
         f"{look.label}   {rank} {ties}" for look, rank, ties in zip(sheet.looks, sheet.ranks, sheet.ties, strict=True)
     ]
@@ -77,7 +77,7 @@ def draw_pairs(sheet: Sheet, pairs: Pairs) -> Figure:
     return figure
 
 
-def _draw_matrix(axes: Axes, sheet: Sheet, matrix: Matrix, above: NDArray[np.bool_]) -> None:
+def _plot_matrix(axes: Axes, sheet: Sheet, matrix: Matrix, above: NDArray[np.bool_]) -> None:
     from matplotlib.patches import Rectangle
 
     count = len(sheet.looks)

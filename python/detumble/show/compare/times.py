@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from detumble.show.axes import draw_level, set_log_time
-from detumble.show.campaign.frame import QUIET, say
+from detumble.show.axes import plot_level, set_log_time
+from detumble.show.campaign.frame import QUIET, show_message
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,8 +40,8 @@ class CaptureTimes:
     bounds: Array
 
 
-def draw_times(sheet: Sheet, times: CaptureTimes) -> Figure:
-    """Draw the figure in memory; call it within `styled()`."""
+def plot_times(sheet: Sheet, times: CaptureTimes) -> Figure:
+    """Plot the figure in memory; call it within `styled()`."""
     figure = sheet.page(*SIZE)
     left, right = figure.subplots(1, 2, sharey=True)
     _distributions(left, sheet, times.captures, times.bounds)
@@ -59,17 +59,17 @@ def draw_times(sheet: Sheet, times: CaptureTimes) -> Figure:
 
 
 def _distributions(axes: Axes, sheet: Sheet, values: Sequence[Array], least: Array) -> None:
-    """Draw the distribution of each entry's values, and leave room for what is the least."""
+    """Plot the distribution of each entry's values, including the least value in the axis."""
     known = np.concatenate([*values, least])
     known = known[np.isfinite(known) & (known > 0.0)]
     axes.set_ylim(0.0, 1.0)
     if not known.size:
-        say(axes, "no run captured")
+        show_message(axes, "no run captured")
         return
     first, last = 0.95 * float(np.quantile(known, 0.001)), 1.15 * float(np.quantile(known, 0.999))
     set_log_time(axes, first, max(last, 1.3 * first))
     for share in MARKED:
-        draw_level(axes, [share], f"{100 * share:g} %", above=False, at=0.01)
+        plot_level(axes, [share], f"{100 * share:g} %", above=False, at=0.01)
     end = axes.get_xlim()[1]
     for place in reversed(range(len(values))):
         style = sheet.looks[place]
