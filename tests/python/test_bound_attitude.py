@@ -254,8 +254,9 @@ def test_the_same_start_gives_the_same_bits():
 
 def test_no_slew_is_claimed_before_the_lower_bound():
     row = start(debris_q=about(0, 2.0))
-    assert slew_at_tick(BASE, row, math.floor(earliest_attitude(BASE, row) / BASE.period)) is None
-    assert slew_at_tick(replace(BASE, dwell_ticks=5), start(), 4) is None
+    least = earliest_attitude(BASE, row)
+    assert slew_at_tick(BASE, row, math.floor(least / BASE.period), least) is None
+    assert slew_at_tick(replace(BASE, dwell_ticks=5), start(), 4, 0.0) is None
 
 
 def test_a_dwell_longer_than_the_flight_leaves_no_attitude_to_hold():
@@ -283,7 +284,7 @@ def test_the_simulator_flies_slews_into_the_thresholds(dwell, later):
     lead = earliest_attitude(pursuit, row)
     first = first_slew(pursuit, row, math.ceil(attitude_bound(pursuit, row).upper / pursuit.period - 1e-9))
     assert lead <= first.times[-1] < 1.5 * lead + 0.1
-    for slew in (first, slew_at_tick(pursuit, row, len(first.torque) + later)):
+    for slew in (first, slew_at_tick(pursuit, row, len(first.torque) + later, lead)):
         tick = len(slew.torque)
         rows = [
             {"start": tick_ * 0.1, "end": (tick_ + 1) * 0.1, "frame": "body", "torque": tuple(torque)}

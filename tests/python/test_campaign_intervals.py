@@ -179,14 +179,6 @@ def test_times_that_are_no_whole_periods_are_refused(bad):
         TickHistogram(PERIOD).add(np.array([0.2, bad]))
 
 
-def test_histograms_of_different_kinds_do_not_merge():
-    for one, other in ((TickHistogram(0.1), TickHistogram(0.2)), (TickHistogram(0.1), LogHistogram())):
-        with pytest.raises(ValueError, match="different"):
-            one.merge(other)
-        with pytest.raises(ValueError, match="different"):
-            LogHistogram().merge(one)
-
-
 def test_thinned_distribution_functions_keep_body_and_tail():
     values = np.sort(np.random.default_rng(7).lognormal(0.0, 1.0, 200_000))
     histogram = LogHistogram()

@@ -72,25 +72,13 @@ def numbers(frames, name):
 # --- a campaign --------------------------------------------------------------------------------------------------------
 
 
-def test_the_order_of_shards_leaves_no_trace_to_the_bit():
+def test_statistics_do_not_depend_on_the_order_of_shards_to_the_bit():
     frames = [shard(number) for number in range(8)]
     expected = everything(counted(frames))
     dice = np.random.default_rng(6)
     for _ in range(3):
         order = dice.permutation(8)
         assert everything(counted(frames[number] for number in order)) == expected
-        cut = int(dice.integers(1, 8))
-        left, right = (counted(frames[number] for number in part) for part in (order[:cut], order[cut:]))
-        left.merge(right)
-        assert everything(left) == expected
-
-
-def test_merging_leaves_the_other_part_as_it_was():
-    left, right = counted([shard(0)]), counted([shard(1)])
-    before = everything(right)
-    left.merge(right)
-    left.add(shard(2))
-    assert everything(right) == before
 
 
 def test_everything_reported_is_what_numpy_finds():
@@ -157,14 +145,10 @@ def test_shards_that_no_campaign_writes_are_refused():
     statistics = counted([shard(3)])
     with pytest.raises(ValueError, match="from run 3000 on was counted before"):
         statistics.add(shard(3))
-    with pytest.raises(ValueError, match="from run 3000 on was counted before"):
-        statistics.merge(counted([shard(2), shard(3)]))
     with pytest.raises(ValueError, match="from run 4000 on has gaps"):
         statistics.add(shard(4).filter(pl.col("index") != 4500))
     with pytest.raises(ValueError, match="0 have a cause"):
         statistics.add(shard(5).with_columns(pl.lit(None, pl.String).alias("failure")))
-    with pytest.raises(ValueError, match="different confidence"):
-        statistics.merge(Statistics(PERIOD, 0.9))
     assert statistics.runs == SHARD
 
 
