@@ -10,8 +10,8 @@ from typing import Any
 from detumble.analysis.comparing.entries import FORMS
 from detumble.analysis.tuning.pareto import pareto_front
 from detumble.scenario.laws import LAWS, Form
+from detumble.show.axes import label_decades
 from detumble.show.style import look, new_figure, save, styled
-from study.axes import plain_log
 from study.cases import Case
 
 SEED = 0
@@ -32,7 +32,7 @@ def _front(case: Case, law: str, form: Form, budget: int, starts: int) -> dict[s
 
 
 def draw(found: Mapping[str, Mapping[str, Any]], cases: Sequence[Case], path: Path) -> list[Path]:
-    """Draw the fronts, a panel for each scenario."""
+    """Plot the fronts, a panel for each scenario."""
     with styled():
         figure = new_figure(3.6 * len(found), 4.2)
         panels = figure.subplots(1, len(found), squeeze=False)[0]
@@ -52,7 +52,9 @@ def draw(found: Mapping[str, Mapping[str, Any]], cases: Sequence[Case], path: Pa
                     label=style.label + ("" if form == "printed" else ", corrected"),
                     drawstyle="steps-post",
                 )
-            plain_log(axes)
+            axes.set(xscale="log", yscale="log")
+            for axis in (axes.xaxis, axes.yaxis):
+                label_decades(axis)
             axes.set(title=case.title, xlabel=LABELS[case.objective])
             axes.margins(x=0.04)
         panels[0].set_ylabel("mean Δv to capture [m/s]")
