@@ -56,7 +56,7 @@ def measure() -> dict[str, float]:
 
     def fly(backend: str, threads: int, count: int) -> Callable[[], object]:
         columns = start_columns(starts[:count])
-        return lambda: core().fly_many(case, columns, count, 1, 0, threads, backend, True)
+        return lambda: core().fly_many(case, columns, count, seed=1, threads=threads, backend=backend)
 
     cores = os.cpu_count() or 1
     actions: dict[str, Callable[[], object]] = {f"w_{b}": fly(b, 1, flights[b]) for b in backends}

@@ -13,13 +13,13 @@ from pathlib import Path
 
 import detumble
 from detumble.analysis.comparing.comparer import compare
-from detumble.analysis.comparing.entries import FORMS, Entry
+from detumble.analysis.comparing.entries import entries_of
 from detumble.analysis.comparing.plan import Plan
 from detumble.analysis.tuning.objective import Objective
 from detumble.commands.printing import json_text
 from detumble.commands.progress import Line
 from detumble.scenario.files import load
-from detumble.scenario.laws import LAWS
+from detumble.scenario.laws import FORMS, LAWS
 from detumble.writing import output_folder, write_text
 from study import alpha, fronts, handover, longer, maps, reach, surfaces
 from study.cases import CASES, Case
@@ -100,7 +100,7 @@ def made(size: Size, page: Path, work: Path) -> Numbers:
     with _part(numbers, "fronts") as found:
         found |= {case.key: fronts.search(case, size.front, size.front_starts) for case in CASES}
         fronts.draw(found, CASES, page / "fronts.png")
-    tuned = {law: load(work / "dispersed" / "tuned" / f"{Entry.of(law, 'printed').file}.toml") for law in LAWS}
+    tuned = {law: load(work / "dispersed" / "tuned" / f"{entries_of([law], ['printed'])[0].file}.toml") for law in LAWS}
     with _part(numbers, "maps") as found:
         for form in FORMS:
             found[form] = maps.fly(maps.tuned(form, size.field, size.field_starts), size.cells, size.cell_runs)

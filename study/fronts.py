@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import product
 from pathlib import Path
 from typing import Any
 
-from detumble.analysis.comparing.entries import FORMS
+from detumble.analysis.comparing.entries import Entry, entries_of
 from detumble.analysis.tuning.pareto import pareto_front
-from detumble.scenario.laws import LAWS, Form
 from detumble.show.axes import label_decades
 from detumble.show.style import look, new_figure, save, styled
 from study.cases import Case
@@ -19,12 +17,21 @@ LABELS = {"capture": "mean capture time [s]", "settling": "mean time until settl
 
 
 def search(case: Case, budget: int, starts: int) -> dict[str, Any]:
-    """Find each law's front in both forms: the case's time in the mean, s, and mean Δv to capture, m/s, fastest first."""
-    return {form: {law: _front(case, law, form, budget, starts) for law in LAWS} for form in FORMS}
+    """Find each law's front in all of its forms: the case's time in the mean, s, and mean Δv to capture, m/s, fastest first.
+
+    Returns:
+        By form, then law; a law that has only one form is among the printed.
+    """
+    found: dict[str, Any] = {}
+    for entry in entries_of():
+        found.setdefault(entry.form or "printed", {})[entry.law] = _front(case, entry, budget, starts)
+    return found
 
 
-def _front(case: Case, law: str, form: Form, budget: int, starts: int) -> dict[str, Any]:
-    front = pareto_front(case.scenario, law, what=case.objective, budget=budget, starts=starts, seed=SEED, form=form)
+def _front(case: Case, entry: Entry, budget: int, starts: int) -> dict[str, Any]:
+    front = pareto_front(
+        case.scenario, entry.law, what=case.objective, budget=budget, starts=starts, seed=SEED, form=entry.form
+    )
     return {
         "time_s": [point.time for point in front.points],
         "delta_v_m_s": [point.delta_v for point in front.points],
@@ -38,18 +45,18 @@ def draw(found: Mapping[str, Mapping[str, Any]], cases: Sequence[Case], path: Pa
         panels = figure.subplots(1, len(found), squeeze=False)[0]
         for axes, case in zip(panels, cases, strict=True):
             fronts = found[case.key]
-            for form, law in product(FORMS, LAWS):
-                style, front = look(law), fronts[form][law]
+            for entry in sorted(entries_of(), key=lambda entry: entry.form == "corrected"):
+                style, front = look(entry.law), fronts[entry.form or "printed"][entry.law]
                 axes.plot(
                     front["time_s"],
                     front["delta_v_m_s"],
                     color=style.colour,
-                    linestyle="-" if form == "printed" else (0, (4.0, 1.5)),
+                    linestyle=(0, (4.0, 1.5)) if entry.form == "corrected" else "-",
                     marker=style.marker,
                     markersize=3.5,
-                    markerfacecolor=style.colour if form == "printed" else "white",
+                    markerfacecolor="white" if entry.form == "corrected" else style.colour,
                     markevery=max(1, len(front["time_s"]) // 8),
-                    label=style.label + ("" if form == "printed" else ", corrected"),
+                    label=entry.name,
                     drawstyle="steps-post",
                 )
             axes.set(xscale="log", yscale="log")

@@ -18,7 +18,7 @@ from detumble.analysis.trials import Array, Trials
 from detumble.analysis.tuning.objective import Objective
 from detumble.analysis.tuning.tuner import tune
 from detumble.scenario import Scenario
-from detumble.scenario.laws import LAWS, TITLES, Form
+from detumble.scenario.laws import LAWS, REGISTER, TITLES, Form
 from detumble.show.axes import label_decades
 from detumble.show.style import new_figure, save, styled
 from study.cases import on_spheres, with_laws_of
@@ -35,14 +35,15 @@ REQUIRED = 0.5
 
 
 def tuned(form: Form, budget: int, starts: int) -> dict[str, Scenario]:
-    """Tune every law on the whole field."""
+    """Tune every law on the whole field, in this form where it has several."""
     field = on_spheres((float(DISTANCES[0]), float(DISTANCES[1])), (float(RATES[0]), float(RATES[1])))
     objective = Objective("capture", required=REQUIRED, until="captured")
+    forms = {law: form if REGISTER[law].forms() else None for law in LAWS}
     return {
         law: tune(
-            field, law, form=form, budget=budget, starts=starts, seed=SEED, objective=objective, horizon=HORIZON
+            field, law, form=own, budget=budget, starts=starts, seed=SEED, objective=objective, horizon=HORIZON
         ).scenario
-        for law in LAWS
+        for law, own in forms.items()
     }
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from detumble.campaigns.columns import END_TIME, FAILURE, INDEX, SCALARS, SUCCEEDED
 from detumble.metrics import METRICS
-from detumble.scenario import Scenario
+from detumble.scenario import LAWS, Scenario
 from detumble.scenario.wording import number, pretty
 from detumble.variables import VARIABLES
 
@@ -42,7 +42,7 @@ def _section(schema: dict[str, Any], section: dict[str, Any], path: str, parts: 
             )
         elif name == "tuned" and path.startswith("laws."):
             rows.append((name, "table", "none", "how these gains were found"))
-            inner += [("laws.LAW.tuned", field)] if path == "laws.prrl" else []  # once: the same for every law
+            inner += [("laws.LAW.tuned", field)] if path == f"laws.{LAWS[-1]}" else []  # once: the same for every law
         elif "const" in field and name in section["required"]:
             kind = f"`{name} = {json.dumps(field['const'])}`"
         elif "properties" in field:

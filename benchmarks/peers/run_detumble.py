@@ -22,7 +22,7 @@ def calls_of(case: dict[str, Any]) -> dict[str, Fly]:
 
     def fly(recipe: dict[str, Any], starts: Array, seed: int) -> dict[str, Array]:
         columns = start_columns(starts)
-        flown = core().fly_many(recipe, columns, len(starts), seed, 0, threads_asked(), backend, True)
+        flown = core().fly_many(recipe, columns, len(starts), seed=seed, threads=threads_asked(), backend=backend)
         return {name: flown[name] for name in ("final_state", "capture_time")}
 
     def call(starts: Array, noisy: bool, seed: int) -> dict[str, Array]:

@@ -9,7 +9,12 @@ from numpy.typing import NDArray
 Array: TypeAlias = NDArray[np.float64]
 
 def fly(
-    case: dict[str, Any], seed: int, index: int, backend: str | None, differing: list[str] | None = None
+    case: dict[str, Any],
+    *,
+    seed: int = 0,
+    index: int = 0,
+    backend: str | None = None,
+    differing: list[str] | None = None,
 ) -> dict[str, Any]:
     """Fly one case; gives `backend`, `history`, `summary` and `merge`.
 
@@ -21,11 +26,11 @@ def fly_many(
     case: dict[str, Any],
     columns: dict[str, Array],
     flights: int,
+    *,
     seed: int = 0,
     first_index: int = 0,
     threads: int = 1,
     backend: str | None = None,
-    light: bool = False,
     progress: Callable[[int], None] | None = None,
     cycle: int | None = None,
 ) -> dict[str, Any]:
@@ -33,8 +38,8 @@ def fly_many(
 
     After `cycle` flights the random numbers begin again.
 
-    Gives `final_state` (n, 20), the summary column by column, `failure` (see `campaigns.store.rows`), and how many `ticks` the
-    flights took of the `lane_ticks` that the lanes went through.
+    Gives `final_state` (n, 20), the metrics but those by axis, `failure` (codes of `register`) and `end_time` column by column,
+    and how many `ticks` the flights took of the `lane_ticks` that the lanes went through.
     """
 
 def draw(spec: dict[str, Any], seed: int, first: int, count: int) -> dict[str, Array]:
@@ -59,3 +64,11 @@ def lqr_rotation(
 
 def echo(case: dict[str, Any]) -> dict[str, Any]:
     """Give the case back as the core understood it."""
+
+def register() -> dict[str, Any]:
+    """Give what the core calls its results.
+
+    `metrics`: name, label, unit, definition, and `number`, `whole` or `axes`, in the order of tables and files. `causes`: code of
+    each failure and its words. `codes` and `thresholds`: by name. `state`: name and width of the parts of a state, in its order.
+    `series`: name, width, unit and meaning of the time series of a flight.
+    """

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable, Mapping
 from decimal import Decimal
 from numbers import Integral, Real
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from detumble.errors import RequestError
 from detumble.text import did_you_mean
@@ -132,7 +132,10 @@ def thread_count(value: Any) -> int | None:
     return None if value is None else whole("threads", value, 1, 4096)
 
 
-def choice(name: str, value: Any, choices: Iterable[str], more: Mapping[str, str] = {}) -> str:  # only read
+Word = TypeVar("Word", bound=str)
+
+
+def choice(name: str, value: Any, choices: Iterable[Word], more: Mapping[str, str] = {}) -> Word:  # only read
     """Read one of several words.
 
     Args:
@@ -151,7 +154,7 @@ def choice(name: str, value: Any, choices: Iterable[str], more: Mapping[str, str
         said = " or ".join((", ".join(known[:-1]), known[-1])) if few else f"one of {', '.join(known)}"
         said += "".join(f", or {other} {use}" for other, use in more.items())
         raise RequestError(f"{name} {met(value)}: must be {said}{hint}")
-    return value
+    return cast("Word", value)
 
 
 Kind = TypeVar("Kind")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from detumble.checking import instance
@@ -28,6 +29,17 @@ def core() -> ModuleType:
     except ImportError as error:
         raise RequestError(f"the compiled core cannot be loaded ({error}); `make setup` builds it") from None
     return _core
+
+
+@cache
+def register() -> dict[str, Any]:
+    """Give what the core calls its results: `metrics`, `causes`, `codes`, `thresholds`, `state` and `series`; see `_core.pyi`.
+
+    Raises:
+        RequestError: the core has not been built.
+    """
+    names: dict[str, Any] = core().register()
+    return names
 
 
 def tick_times(period: float, ticks: ArrayLike) -> NDArray[np.float64]:

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-SUCCESS = 0
-DIVERGED = 1
-NOT_SETTLED = 2
-NO_GAINS = 3
-NEVER_CAPTURED = 16
-"""Plus one bit for each threshold that never held: see `THRESHOLDS`. None: each held at some time, never all at once."""
-DWELL_MISSED = 32
-"""All thresholds held at once, but never for the whole dwell time."""
-THRESHOLDS = {"distance": 1, "angle": 2, "rate": 4, "speed": 8}
+from detumble.compiled import register
+
+_CODES: dict[str, int] = dict(register()["codes"])
+SUCCESS, DIVERGED, NOT_SETTLED, NO_GAINS, DWELL_MISSED, NEVER_CAPTURED = (
+    _CODES[name] for name in ("success", "diverged", "not_settled", "no_gains", "dwell_missed", "never_captured")
+)
+"""A flight that is never captured has `NEVER_CAPTURED` plus the bit of each threshold that never held."""
+THRESHOLDS: dict[str, int] = dict(register()["thresholds"])
+"""Bits by name."""
+
+_CAUSES: dict[int, str] = dict(register()["causes"])
+CODES = tuple(_CAUSES)
+CAUSES = tuple(_CAUSES.values())
+"""Every cause of failure, in words."""
 
 
 def cause(code: int) -> str | None:
@@ -22,23 +27,4 @@ def cause(code: int) -> str | None:
     Returns:
         One of `CAUSES`; None for a success.
     """
-    match code:
-        case 0:
-            return None
-        case 1:
-            return "diverged"
-        case 2:
-            return "captured, not settled"
-        case 3:
-            return "no gains: the Riccati equation has no solution"
-        case 16:
-            return "never captured: not all at once"
-        case 32:
-            return "never captured: dwell"
-        case _:
-            return "never captured: " + " + ".join(name for name, bit in THRESHOLDS.items() if code & bit)
-
-
-CODES = (DIVERGED, NO_GAINS, NOT_SETTLED, DWELL_MISSED, *range(NEVER_CAPTURED, NEVER_CAPTURED + 16))
-CAUSES = tuple(str(cause(code)) for code in CODES)
-"""Every cause of failure, in words."""
+    return None if code == SUCCESS else _CAUSES[code]

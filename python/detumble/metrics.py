@@ -1,13 +1,15 @@
-"""What a flight is judged by: one definition, unit and name for each metric, used by Python, tables and files alike.
+"""What a flight is judged by. Name, label, unit and definition of each metric are the core's: this is its register for Python.
 
-Commands are held from tick to tick, so integrals over the commands are exact sums. The core computes; this is the register.
+Commands are held from tick to tick, so integrals over the commands are exact sums.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, Literal
+
+from detumble.compiled import register
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -22,25 +24,21 @@ _SUFFIX |= {"s": "_s", "m": "_m", "rad": "_rad", "rad/s": "_rad_s", "N": "_n", "
 
 @dataclass(frozen=True)
 class Metric:
-    """One metric's card.
+    """What one metric is.
 
     Attributes:
         name: attribute of `Metrics`.
         label: for tables.
         unit: SI; empty for shares.
         definition: what exactly is counted.
-        source: key of the core's summary.
-        total: the sum over the axes of that key, not the key itself.
-        whole: a whole number.
+        kind: a number, a whole number, or a number for each axis.
     """
 
     name: str
     label: str
     unit: str
     definition: str
-    source: str
-    total: bool
-    whole: bool
+    kind: Literal["number", "whole", "axes"]
 
     @property
     def key(self) -> str:
@@ -48,79 +46,48 @@ class Metric:
         return self.name + _SUFFIX[self.unit]
 
 
-def _metric(
-    label: str, unit: str, definition: str, source: str = "", *, total: bool = False, whole: bool = False
-) -> Any:
-    card = {"label": label, "unit": unit, "definition": definition, "source": source, "total": total, "whole": whole}
-    return field(default=None, metadata=card)
+METRICS = tuple(Metric(*row) for row in register()["metrics"])
+"""The register, in the order of tables and files."""
 
 
 @dataclass(frozen=True)
 class Metrics:
-    """Metrics of one flight; None for what did not happen."""
+    """Metrics of one flight, in SI units as `METRICS` describes them; None for what did not happen."""
 
-    capture_time: float | None = _metric(
-        "capture", "s", "first control tick at which every threshold has held for the dwell time"
-    )
-    capture_tick: int | None = _metric("capture tick", "", "number of that tick, counted from 0", whole=True)
-    capture_distance: float | None = _metric("distance at capture", "m", "distance judged, before the merge")
-    capture_angle: float | None = _metric("attitude error at capture", "rad", "angle between chaser and debris axes")
-    capture_rate: float | None = _metric("relative rate at capture", "rad/s", "norm of w_C - R w_D")
-    capture_speed: float | None = _metric("relative speed at capture", "m/s", "norm of v - v_des in H")
-    settling_time: float | None = _metric(
-        "settling", "s", "from capture to the tick from which angle and rate against H hold to the end of the flight"
-    )
-    settled_tick: int | None = _metric(
-        "settled tick", "", "number of the tick from which they hold, counted from the start of the flight", whole=True
-    )
-    final_rate: float | None = _metric("final rate", "rad/s", "norm of the stack's rate relative to H at the end")
-    final_pointing: float | None = _metric(
-        "final pointing error", "rad", "angle of the stack's axes against H at the end"
-    )
-    momentum_at_capture: float | None = _metric(
-        "momentum at capture", "N m s", "norm of the stack's angular momentum about its centre of mass after the merge"
-    )
-    final_momentum: float | None = _metric("final momentum", "N m s", "the same at the end of the flight")
-    delta_v: float | None = _metric(
-        "Δv", "m/s", "sum over axes of the integral of |F_i| / m, m the true mass of what flies", total=True
-    )
-    delta_v_axes: Vector | None = _metric("Δv by axis", "m/s", "integral of |F_i| / m", "delta_v")
-    delta_v_to_capture: float | None = _metric("Δv to capture", "m/s", "the part of Δv spent until capture", total=True)
-    impulse: float | None = _metric("impulse", "N s", "sum over axes of the integral of |F_i|", total=True)
-    impulse_axes: Vector | None = _metric("impulse by axis", "N s", "integral of |F_i|", "impulse")
-    torque_impulse: float | None = _metric(
-        "torque impulse", "N m s", "sum over axes of the integral of |tau_i|", total=True
-    )
-    torque_impulse_axes: Vector | None = _metric(
-        "torque impulse by axis", "N m s", "integral of |tau_i|", "torque_impulse"
-    )
-    peak_force_command: float | None = _metric("peak force asked", "N", "largest |F_i| before saturation")
-    peak_force: float | None = _metric("peak force", "N", "largest |F_i| flown")
-    peak_torque_command: float | None = _metric("peak torque asked", "N m", "largest |tau_i| before saturation")
-    peak_torque: float | None = _metric("peak torque", "N m", "largest |tau_i| flown")
-    force_saturated_share: float | None = _metric(
-        "force saturated", "", "share of the time with a force command over its limit on any axis"
-    )
-    torque_saturated_share: float | None = _metric(
-        "torque saturated", "", "share of the time with a torque command over its limit on any axis"
-    )
-    force_chattering: float | None = _metric(
-        "force chattering", "N/s", "total variation of the force asked for, summed over axes, per second"
-    )
-    torque_chattering: float | None = _metric(
-        "torque chattering", "N m/s", "total variation of the torque asked for, summed over axes, per second"
-    )
-    largest_rate: float | None = _metric(
-        "largest rate",
-        "rad/s",
-        "largest norm of omega at a control tick: of chaser and stack, and of debris whose tumble is integrated step by step",
-    )
-    diverged_time: float | None = _metric("diverged", "s", "first tick whose state left the numbers")
+    capture_time: float | None = None
+    capture_tick: int | None = None
+    capture_distance: float | None = None
+    capture_angle: float | None = None
+    capture_rate: float | None = None
+    capture_speed: float | None = None
+    settling_time: float | None = None
+    settled_tick: int | None = None
+    final_rate: float | None = None
+    final_pointing: float | None = None
+    momentum_at_capture: float | None = None
+    final_momentum: float | None = None
+    delta_v: float | None = None
+    delta_v_axes: Vector | None = None
+    delta_v_to_capture: float | None = None
+    impulse: float | None = None
+    impulse_axes: Vector | None = None
+    torque_impulse: float | None = None
+    torque_impulse_axes: Vector | None = None
+    peak_force_command: float | None = None
+    peak_force: float | None = None
+    peak_torque_command: float | None = None
+    peak_torque: float | None = None
+    force_saturated_share: float | None = None
+    torque_saturated_share: float | None = None
+    force_chattering: float | None = None
+    torque_chattering: float | None = None
+    largest_rate: float | None = None
+    diverged_time: float | None = None
 
     @classmethod
     def from_summary(cls, summary: Mapping[str, Any]) -> Metrics:
         """Take the metrics from the core's summary, where NaN stands for what did not happen."""
-        values: dict[str, Any] = {metric.name: _value(summary[metric.source], metric) for metric in METRICS}
+        values: dict[str, Any] = {metric.name: _value(summary[metric.name], metric) for metric in METRICS}
         return cls(**values)
 
     def to_json(self) -> dict[str, Value]:
@@ -137,28 +104,16 @@ class Metrics:
         return cls(**values)
 
 
-METRICS: tuple[Metric, ...] = tuple(
-    Metric(
-        name=entry.name,
-        label=entry.metadata["label"],
-        unit=entry.metadata["unit"],
-        definition=entry.metadata["definition"],
-        source=entry.metadata["source"] or entry.name,
-        total=entry.metadata["total"],
-        whole=entry.metadata["whole"],
+if [field.name for field in fields(Metrics)] != [metric.name for metric in METRICS]:
+    raise ImportError(
+        "detumble.metrics and the compiled core name different metrics; `make setup` builds the core anew"
     )
-    for entry in fields(Metrics)
-)
-"""The register, in the order of tables and files."""
 
 
 def _value(raw: Any, metric: Metric) -> Value:
-    if isinstance(raw, float | int):
-        return None if math.isnan(raw) else int(raw) if metric.whole else float(raw)
-    numbers = tuple(float(number) for number in raw)
-    if any(math.isnan(number) for number in numbers):
-        return None
-    return sum(numbers) if metric.total else (numbers[0], numbers[1], numbers[2])
+    if metric.kind == "axes":
+        return None if any(map(math.isnan, raw)) else (raw[0], raw[1], raw[2])
+    return None if math.isnan(raw) else int(raw) if metric.kind == "whole" else float(raw)
 
 
 def _jsonable(value: Value) -> Any:

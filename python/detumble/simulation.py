@@ -94,7 +94,7 @@ def fly_case(setup: Setup, core_case: dict[str, Any], differing: list[str] | Non
     """
     scenario, law, backend = setup.scenario, setup.law, checked_backend(setup.backend)
     try:
-        record = core().fly(core_case, setup.seed, setup.index, backend, differing)
+        record = core().fly(core_case, seed=setup.seed, index=setup.index, backend=backend, differing=differing)
     except ValueError as error:
         raise ScenarioError(scenario.title, problem=str(error)) from None
     metrics = Metrics.from_summary(record["summary"])

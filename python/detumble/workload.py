@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from detumble.compiled import register
 from detumble.scenario.core import case
 from detumble.scenario.files import load
 
@@ -37,12 +38,11 @@ def random_starts(count: int, seed: int = 0) -> NDArray[np.float64]:
         Position, velocity, chaser attitude, chaser rate, debris attitude, debris rate: shape (count, 20).
     """
     generator = np.random.default_rng(seed)
-    starts = np.zeros((count, 20))
-    starts[:, 0:3] = generator.uniform(-2.0, 2.0, (count, 3))
-    starts[:, 6:10] = _directions(generator, count, 4)
-    starts[:, 13:17] = _directions(generator, count, 4)
-    starts[:, 17:20] = _directions(generator, count, 3) * generator.uniform(0.0, 0.1, (count, 1))
-    return starts
+    position = generator.uniform(-2.0, 2.0, (count, 3))
+    attitudes = [_directions(generator, count, 4) for _ in ("chaser", "debris")]
+    tumble = _directions(generator, count, 3) * generator.uniform(0.0, 0.1, (count, 1))
+    still = np.zeros((count, 3))
+    return np.hstack((position, still, attitudes[0], still, attitudes[1], tumble))
 
 
 def start_columns(starts: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
@@ -51,19 +51,9 @@ def start_columns(starts: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]
     Args:
         starts: as `random_starts` gives them, shape (n, 20).
     """
-    parts = {
-        "position": 3,
-        "velocity": 3,
-        "chaser_attitude": 4,
-        "chaser_rate": 3,
-        "debris_attitude": 4,
-        "debris_rate": 3,
-    }
-    edges = np.cumsum([0, *parts.values()])
-    return {
-        f"start.{name}": np.ascontiguousarray(starts[:, first:last])
-        for name, first, last in zip(parts, edges[:-1], edges[1:], strict=True)
-    }
+    names, widths = zip(*register()["state"], strict=True)
+    parts = np.split(starts, np.cumsum(widths)[:-1], axis=1)
+    return {f"start.{name}": np.ascontiguousarray(part) for name, part in zip(names, parts, strict=True)}
 
 
 def _directions(generator: np.random.Generator, count: int, size: int) -> NDArray[np.float64]:

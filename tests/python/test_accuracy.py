@@ -18,7 +18,8 @@ from detumble.campaigns.runs.draws import draw, drawn_scenario
 from detumble.errors import ScenarioError
 from detumble.scenario import Scenario, from_toml, with_settings
 from detumble.scenario.accuracy import ANY_BODY, AUTOMATIC_ERROR, MOST_STEPS, asymmetry, attitude_error, coarse_step
-from detumble.scenario.core import case, ticks
+from detumble.scenario.conversions import ticks
+from detumble.scenario.core import case
 from detumble.scenario.step import integration_step, steps_per_period, worst_body
 from independent.free_rotation import matrix, rotation
 from pages import call

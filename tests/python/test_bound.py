@@ -336,7 +336,7 @@ def test_no_law_beats_the_minimum_time_in_1000_random_starts():
     assert np.isfinite(bounds).all()
     columns = start_columns(starts)
     for law in detumble.LAWS:
-        flown = core.fly_many(case(scenario, law), columns, len(starts), 1, threads=2)["capture_time"]
+        flown = core.fly_many(case(scenario, law), columns, len(starts), seed=1, threads=2)["capture_time"]
         assert np.isfinite(flown).any()
         assert not (flown < bounds - 1e-9).any()
     lead = minimum_capture_time(scenario)

@@ -165,7 +165,7 @@ def test_no_run_of_many_settles_sooner_than_its_momentum_lets_it(name):
     starts = np.repeat(start_of(numbers)[None, :], count, axis=0)
     starts[:, :3] += dice.uniform(-0.3, 0.3, (count, 3))
     starts[:, 17:] = dice.uniform(-0.15, 0.15, (count, 3))
-    flown = core.fly_many(numbers, start_columns(starts), count, 1, threads=1)
+    flown = core.fly_many(numbers, start_columns(starts), count, seed=1)
     settled = np.isfinite(flown["settling_time"])
     assert settled.sum() > 50
     least = detumble_lower(

@@ -23,6 +23,7 @@ from detumble.campaigns.result import read_campaign
 from detumble.campaigns.store.shard import digest
 from detumble.cli import main
 from detumble.errors import RequestError
+from detumble.scenario import LAWS
 from uncertain import flown, rows_digest, uncertain
 
 RUNS = 500
@@ -92,7 +93,7 @@ def test_one_json_object_holds_everything_and_nothing_else_is_printed(
     assert 0.5 < told["lane_use"] <= 1.0
     assert told["capture_time_s"]["count"] == len(times)
     for metric in SCALARS:
-        if metric.unit != "s" and not metric.whole:
+        if metric.unit != "s" and metric.kind != "whole":
             values = rows[metric.key].drop_nulls()
             assert told[metric.key]["count"] == len(values)
             if metric.key.startswith("capture_"):
@@ -171,7 +172,7 @@ def test_a_terminal_sees_progress_and_a_program_still_gets_its_json(scenario: Pa
         (("--until-ci", "nan"), "until_ci nan: must lie between 0 and 0.5"),
         (("--threads", "1", "--local-cluster", "1"), "at most one of them says who flies"),
         (("--backend", "avx1024"), "no back end 'avx1024' on this machine"),
-        (("--law", "prl"), "law 'prl': must be one of pd, lqr, sosmc, tsmc, prrl, or none for open loop"),
+        (("--law", "prl"), f"law 'prl': must be one of {', '.join(LAWS)}, or none for open loop"),
         (("--set", "chaser.mas=3"), "chaser.mas  unknown key; did you mean mass"),
     ],
 )

@@ -31,7 +31,6 @@ from detumble.commands.progress import Line
 from detumble.errors import RequestError
 from detumble.progress import Watcher
 from detumble.scenario import Scenario, with_settings
-from detumble.scenario.core import axes
 
 TWINS = (Entry("One", "prrl", "printed"), Entry("Other", "prrl", "printed"), Entry("PD", "pd", "corrected"))
 SMALL = Plan(budget=20, starts=16, tunings=2, runs=200, robust=20)
@@ -311,7 +310,7 @@ def test_least_delta_v_falls_with_time_and_is_none_without_any(scenario: Scenari
 def test_settling_bound_is_momentum_over_torque(scenario: Scenario) -> None:
     trials = Trials(scenario, 2, 0, 3)
     own = drawn_scenario(scenario, 2, 1)
-    torque = 0.01 * np.array(axes(own.actuators.torque_gain))
+    torque = 0.01 * np.ones(3) * own.actuators.torque_gain
     stack = np.array(own.chaser.inertia) + np.array(own.debris.inertia)
     slowest = own.orbit.mean_motion + own.settled.rate
     expected = (0.5 - np.linalg.eigvalsh(stack)[-1] * slowest) / np.linalg.norm(torque)

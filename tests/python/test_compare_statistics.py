@@ -9,15 +9,20 @@ import numpy as np
 import pytest
 from scipy.stats import binom, binomtest, false_discovery_control, norm, ttest_rel
 
-from detumble.analysis.comparing.entries import Entry
+import detumble
+from detumble.analysis.comparing.entries import Entry, check_entries, entries_of
 from detumble.analysis.comparing.judge import KEPT, Runs, Verdict
 from detumble.analysis.comparing.judged import Judged
 from detumble.analysis.comparing.paired import Difference, Shift, holm, quantile, sign_test, t_test
 from detumble.analysis.comparing.pairs import pairs_of, ranking_of
 from detumble.analysis.comparing.ranking import Score, rank
 from detumble.analysis.comparing.ratios import Ratio
+from detumble.analysis.tuning.space import space_of
+from detumble.errors import RequestError
 from detumble.intervals import Proportion
-from detumble.scenario.laws import LAWS
+from detumble.scenario.laws import LAWS, REGISTER, Pd
+from detumble.show.compare.frame import looks_of
+from detumble.show.style import look
 
 PERIOD = 0.1
 
@@ -245,10 +250,30 @@ def test_run_that_beats_its_bound_is_found() -> None:
     assert Ratio.of(np.array([1.0]), np.array([np.inf])).broken == (0,)
 
 
-def test_default_entries_are_all_laws_in_both_forms() -> None:
-    from detumble.analysis.comparing.entries import entries_of
-
+def test_default_entries_are_all_laws_in_all_forms() -> None:
     entries = entries_of()
-    assert len(entries) == 2 * len(LAWS)
+    assert len(entries) == sum(max(1, len(REGISTER[law].forms())) for law in LAWS)
     assert len({entry.file for entry in entries}) == len(entries)
     assert [entry.name for entry in entries[6:8]] == ["TSMC", "TSMC corrected"]
+
+
+def test_a_law_that_has_only_one_form_is_one_entry(monkeypatch: pytest.MonkeyPatch) -> None:
+    paper = detumble.load("paper")
+    paper.laws.pd = None
+    monkeypatch.setattr(Pd, "forms", classmethod(lambda _: ()))
+    assert entries_of(["pd", "lqr"], ["corrected"]) == (Entry("PD", "pd"), Entry("LQR corrected", "lqr", "corrected"))
+    assert Entry.parsed("mine=pd", paper) == Entry("mine", "pd")
+    check_entries(entries_of(["pd", "lqr"]), paper, as_given=False)
+    only_one = "form 'corrected': pd has only one form; leave it out"
+    with pytest.raises(RequestError, match=only_one):
+        Entry.parsed("mine=pd:corrected", paper)
+    with pytest.raises(RequestError, match=only_one):
+        check_entries([Entry("a", "pd", "corrected"), Entry("b", "pd")], paper, as_given=False)
+    with pytest.raises(RequestError, match=only_one):
+        space_of(paper, "pd", form="corrected")
+    with pytest.raises(RequestError, match="must be printed or corrected"):
+        check_entries([Entry("a", "lqr"), Entry("b", "pd")], paper, as_given=False)
+    plain, printed, corrected = looks_of([("PD", "pd", None), ("LQR", "lqr", "printed"), ("C", "pd", "corrected")])
+    assert plain.dashes == printed.dashes != corrected.dashes
+    assert plain.fill == look("pd").colour
+    assert corrected.fill == "white"

@@ -9,9 +9,10 @@ import pytest
 
 import detumble
 from detumble.scenario import Scenario, from_toml, with_settings
-from detumble.scenario.faults import section_at
 from detumble.scenario.hints import SYMBOLS, UNITS
-from detumble.scenario.laws import LAWS
+from detumble.scenario.laws import CHANNELS, REGISTER
+from detumble.scenario.laws.base import gains_of_section
+from detumble.scenario.reflection import section_at
 
 
 def fault_of(text: str, path: str) -> str:
@@ -112,15 +113,15 @@ def test_a_symbol_at_the_top_is_led_to_its_table() -> None:
     assert fault_of("r_des = [0, 0, 0]\n", "r_des") == "unknown key; did you mean goal.position?"
 
 
-def test_every_symbol_stands_for_a_field() -> None:
+def test_every_symbol_stands_for_one_field() -> None:
     for table, symbols in SYMBOLS.items():
-        law, _, channel = table.partition(".")
-        places = [("laws", law, one) for one in ([channel] if channel else ["translation", "rotation"])]
-        for place in places if law in LAWS else [(table,)]:
-            section = section_at(Scenario, place)
-            assert section is not None
-            fields = set(section.model_fields) | ({"alpha"} if law == "prrl" else set())
-            assert set(symbols.values()) <= fields, table
+        section = section_at(Scenario, (table,))
+        assert section is not None
+        assert set(symbols.values()) <= set(section.model_fields), table
+    for law in REGISTER.values():
+        for channel in (law, *map(law.channel, CHANNELS)):
+            declared = [symbol for gain in gains_of_section(channel).values() for symbol in gain.symbols]
+            assert len(declared) == len(set(declared)), channel
 
 
 def warned(*settings: str) -> list[str]:

@@ -48,7 +48,7 @@ def short(periods: int = 60) -> dict[str, Any]:
 
 
 def flown_here(case: dict[str, Any], starts: Any, seed: int = 1) -> dict[str, Any]:
-    flown: dict[str, Any] = core().fly_many(case, start_columns(starts), len(starts), seed, 0, 1, None, True)
+    flown: dict[str, Any] = core().fly_many(case, start_columns(starts), len(starts), seed=seed)
     return flown
 
 

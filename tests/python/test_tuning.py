@@ -340,7 +340,7 @@ def test_one_search_at_a_time_works_in_a_folder(tmp_path: Path, dispersed: Scena
 @pytest.mark.parametrize(
     ("law", "how", "text"),
     [
-        ("pdd", {}, "law 'pdd': must be one of pd, lqr, sosmc, tsmc, prrl; did you mean pd?"),
+        ("pdd", {}, f"law 'pdd': must be one of {', '.join(LAWS)}; did you mean pd?"),
         ("tsmc", {"form": "mine"}, "form 'mine': must be printed or corrected"),
         ("pd", {"budget": 0}, "budget 0: must be a whole number from 1 to 1000000000"),
         ("pd", {"starts": 0}, "starts 0: must be a whole number from 1"),

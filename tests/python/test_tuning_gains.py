@@ -9,10 +9,13 @@ import pytest
 
 import detumble
 from detumble.analysis.trials import Trials
-from detumble.analysis.tuning.gains import gains_of, odd_fraction
+from detumble.analysis.tuning.gains import gains_of
 from detumble.analysis.tuning.space import space_of
 from detumble.scenario import LAWS, Scenario
 from detumble.scenario.faults import validated
+from detumble.scenario.laws import Form
+from detumble.scenario.laws.tsmc import EXPONENT
+from variants import VARIANTS
 
 SHIPPED = [
     (name, law) for name in detumble.scenarios() for law in LAWS if getattr(detumble.load(name).laws, law) is not None
@@ -47,9 +50,8 @@ def test_point_and_gains_are_each_others_inverse(law: str, stack: bool) -> None:
     assert again == pytest.approx(values, rel=1e-12)
 
 
-@pytest.mark.parametrize("form", ["printed", "corrected"])
-@pytest.mark.parametrize("law", LAWS)
-def test_what_is_flown_is_what_the_file_says(law: str, form: str) -> None:
+@pytest.mark.parametrize(("law", "form"), VARIANTS)
+def test_what_is_flown_is_what_the_file_says(law: str, form: Form | None) -> None:
     """Candidates as columns of one batch, and each as a scenario of its own: the same bits."""
     scenario = detumble.load("paper_dispersed")
     for stack in (False, True):
@@ -79,9 +81,8 @@ def similar(scenario: Scenario, length: float, mass: float, inertia: float) -> S
     return validated(raw, "similar")
 
 
-@pytest.mark.parametrize("form", ["printed", "corrected"])
-@pytest.mark.parametrize("law", LAWS)
-def test_a_point_of_the_cube_means_the_same_to_a_spacecraft_of_another_size(law: str, form: str) -> None:
+@pytest.mark.parametrize(("law", "form"), VARIANTS)
+def test_a_point_of_the_cube_means_the_same_to_a_spacecraft_of_another_size(law: str, form: Form | None) -> None:
     paper = detumble.load("paper")
     flown = []
     for case in (similar(paper, 1.0, 1.0, 1.0), similar(paper, 10.0, 3.0, 7.0)):
@@ -100,13 +101,13 @@ def test_exponents_are_snapped_to_the_nearest_fraction_of_odd_numbers(form: str,
     allowed = {Fraction(p, q) for p in odd for q in odd if Fraction(1, 3) <= Fraction(p, q) <= 3 and p != q}
     allowed = {one for one in allowed if (one > 1) == (form == "printed")}
     for wanted in np.linspace(low, high, 301):
-        p, q = odd_fraction(float(wanted), form)
+        p, q = EXPONENT.fractions[form].nearest(float(wanted))
         assert p % 2 == q % 2 == 1
         assert max(p, q) <= 21
         assert Fraction(p, q) in allowed
         assert abs(p / q - wanted) == pytest.approx(min(abs(float(one) - wanted) for one in allowed), abs=1e-15)
-    assert odd_fraction(5 / 3, "printed") == (5, 3)
-    assert odd_fraction(7 / 9, "corrected") == (7, 9)
+    assert EXPONENT.fractions["printed"].nearest(5 / 3) == (5, 3)
+    assert EXPONENT.fractions["corrected"].nearest(7 / 9) == (7, 9)
 
 
 def test_lengths_with_grasp_points_are_those_between_the_points() -> None:

@@ -18,24 +18,23 @@ pub struct Fleet<'a> {
     columns: Vec<Column<'a>>,
     flights: usize,
     common: Common,
-    /// The law that all flights share, unless gains, beliefs or orbit differ.
+    /// The law that all flights share, if they do.
     laws: Option<Laws>,
 }
 
 impl<'a> Fleet<'a> {
     /// Flight i is `recipe` with row i of every column. Fails where a path leads nowhere or a column has another length.
     pub fn new(recipe: FlightRecipe, columns: Vec<Column<'a>>, flights: usize) -> Result<Self, String> {
-        let mut probe = recipe.clone();
-        let common = Common::new(&recipe.case, &recipe.plan, columns.iter().map(|column| column.path.as_str()));
-        let mut laws_differ = false;
+        let common = Common::new(&recipe, columns.iter().map(|column| column.path.as_str()))
+            .map_err(|path| format!("{path}: no number of a flight"))?;
+        let mut sized = recipe.clone();
         for Column { path, values } in &columns {
-            let width = probe.field(path).ok_or_else(|| format!("{path}: no number of a flight"))?.len();
+            let width = sized.field(path).map_or(0, |numbers| numbers.len());
             if values.len() != flights * width {
                 return Err(format!("{path}: {} numbers; needed: {flights} x {width}", values.len()));
             }
-            laws_differ |= ["law.", "belief.", "orbit."].iter().any(|room| path.starts_with(room));
         }
-        let laws = (!laws_differ).then(|| Laws::new(&recipe.law, &recipe.case, &recipe.plan));
+        let laws = common.same_laws.then(|| Laws::new(&recipe.law, &recipe.case, &recipe.plan));
         Ok(Self { recipe, columns, flights, common, laws })
     }
 

@@ -9,11 +9,8 @@ mod many;
 mod one;
 
 pub use fleet::{Column, Fleet};
-pub use many::{Operation, Outcome, Results, Workload, fly_many, fly_workload};
+pub use many::{Operation, Outcome, Results, fly_many};
 pub use one::{FlightRecord, fly_one};
-
-/// The stop flag of flights that nobody stops.
-pub static UNSTOPPED: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
 
 #[cfg(test)]
 mod tests;

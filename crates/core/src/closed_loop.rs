@@ -86,7 +86,7 @@ fn fly_on<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, held: &Held<R>) {
 }
 
 /// Flies all lanes, each from its tick 0 to the tick at which its flight is over: that one is judged and commanded, but not
-/// flown. What then becomes of a lane is the refill's affair.
+/// flown. Then `refill` collects its results and begins the lane's next flight.
 #[inline(always)]
 pub fn fly<R: Real, O: Observer<R>>(
     scene: &mut Scene<R>,
@@ -98,13 +98,13 @@ pub fn fly<R: Real, O: Observer<R>>(
     let mut number = R::zero();
     loop {
         let (held, over) = control_tick(scene, flight, noise, number, observer);
-        if over.any() && !refill.land(over, scene, flight, number, observer) {
+        if over.any() && !refill.collect(over, scene, flight, number, observer) {
             return;
         }
         fly_on(scene, flight, &held);
         number += R::one();
         if over.any() {
-            refill.take_off(over, scene, flight, noise, &mut number, observer);
+            refill.begin(over, scene, flight, noise, &mut number, observer);
         }
     }
 }
@@ -198,13 +198,13 @@ fn command<R: Real>(
     }
 }
 
-/// Decides what becomes of lanes whose flight is over.
+/// Collects the results of lanes whose flight is over, and begins their next flights.
 pub trait Refill<R: Real, O> {
     /// Flights are over, at these ticks; returns whether any lane still flies something.
-    fn land(&mut self, over: R::Mask, scene: &Scene<R>, flight: &Flight<R>, number: R, observer: &O) -> bool;
+    fn collect(&mut self, over: R::Mask, scene: &Scene<R>, flight: &Flight<R>, number: R, observer: &O) -> bool;
 
     /// The lanes' next flights begin.
-    fn take_off(
+    fn begin(
         &mut self,
         over: R::Mask,
         scene: &mut Scene<R>,
@@ -231,12 +231,12 @@ pub fn fly_alone<R: Real, O: Observer<R>>(
 struct Alone<R: Real>(R);
 
 impl<R: Real, O> Refill<R, O> for Alone<R> {
-    fn land(&mut self, _: R::Mask, _: &Scene<R>, _: &Flight<R>, number: R, _: &O) -> bool {
+    fn collect(&mut self, _: R::Mask, _: &Scene<R>, _: &Flight<R>, number: R, _: &O) -> bool {
         self.0 = number;
         false
     }
 
-    fn take_off(&mut self, _: R::Mask, _: &mut Scene<R>, _: &mut Flight<R>, _: &mut Stream<R>, _: &mut R, _: &mut O) {}
+    fn begin(&mut self, _: R::Mask, _: &mut Scene<R>, _: &mut Flight<R>, _: &mut Stream<R>, _: &mut R, _: &mut O) {}
 }
 
 #[cfg(test)]

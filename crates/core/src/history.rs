@@ -41,26 +41,43 @@ pub struct History {
     non_finite: bool,
 }
 
-/// Name and width of every series, in the order in which rows are written.
-const SERIES: [(&str, usize); 18] = [
-    ("time", 1),
-    ("position", 3),
-    ("velocity", 3),
-    ("chaser_attitude", 4),
-    ("chaser_rate", 3),
-    ("debris_attitude", 4),
-    ("debris_rate", 3),
-    ("goal_position", 3),
-    ("goal_velocity", 3),
-    ("force_command", 3),
-    ("force", 3),
-    ("torque_command", 3),
-    ("torque", 3),
-    ("distance", 1),
-    ("angle_error", 1),
-    ("rate_error", 1),
-    ("speed_error", 1),
-    ("captured", 1),
+/// What a series is.
+#[derive(Clone, Copy, Debug)]
+pub struct Description {
+    /// As the user sees it.
+    pub name: &'static str,
+    /// Components in a row: a number, three axes, or a quaternion.
+    pub width: usize,
+    /// SI; `1` for pure numbers.
+    pub unit: &'static str,
+    /// With its frame.
+    pub meaning: &'static str,
+}
+
+const fn series(name: &'static str, width: usize, unit: &'static str, meaning: &'static str) -> Description {
+    Description { name, width, unit, meaning }
+}
+
+/// Every series, in the order in which rows are written.
+pub const SERIES: [Description; 18] = [
+    series("time", 1, "s", "control tick"),
+    series("position", 3, "m", "chaser relative to the debris' orbit in H; the stack's centre of mass after capture"),
+    series("velocity", 3, "m/s", "rate of change of position as seen in the turning H"),
+    series("chaser_attitude", 4, "1", "quaternion C -> N, scalar first; the stack's after capture"),
+    series("chaser_rate", 3, "rad/s", "omega_CN_C; the stack's after capture"),
+    series("debris_attitude", 4, "1", "quaternion D -> N, scalar first; rides along after capture"),
+    series("debris_rate", 3, "rad/s", "omega_DN_D; rides along after capture"),
+    series("goal_position", 3, "m", "r_des in H"),
+    series("goal_velocity", 3, "m/s", "v_des in H"),
+    series("force_command", 3, "N", "force asked for, in H (open loop in body axes: in C)"),
+    series("force", 3, "N", "force flown, after saturation, same axes"),
+    series("torque_command", 3, "N m", "torque asked for, in C (open loop in LVLH: in H)"),
+    series("torque", 3, "N m", "torque flown, after saturation, same axes"),
+    series("distance", 1, "m", "distance from the goal as capture judges it"),
+    series("angle_error", 1, "rad", "attitude error against the debris, after capture against H"),
+    series("rate_error", 1, "rad/s", "norm of the relative rate, after capture against H"),
+    series("speed_error", 1, "m/s", "norm of v - v_des"),
+    series("captured", 1, "1", "1 from the tick of capture on"),
 ];
 
 impl History {
@@ -69,7 +86,7 @@ impl History {
         let rows = periods as usize + 1;
         let series = SERIES
             .iter()
-            .map(|&(name, width)| Series { name, width, values: Vec::with_capacity(rows * width) })
+            .map(|&Description { name, width, .. }| Series { name, width, values: Vec::with_capacity(rows * width) })
             .collect();
         Self { series, before: None, merge: None, non_finite: false }
     }

@@ -1,4 +1,4 @@
-//! What a flight is judged by, gathered tick by tick in every lane. Each quantity is defined here and nowhere else.
+//! What a flight is judged by, gathered tick by tick in every lane. Names and units are in [`METRICS`]; the equations:
 //!
 //! A command held from t_k to t_{k+1} = t_k + T counts for T. Sums run over the flown ticks.
 //!
@@ -23,6 +23,11 @@ use crate::plan::{End, Plan};
 use crate::plant::motion::Motion;
 use crate::plant::wrench::Wrench;
 use crate::scene::Scene;
+
+pub mod failure;
+mod summary;
+
+pub use summary::{METRICS, Metric, Summary, Value};
 
 const NEVER: f64 = f64::INFINITY;
 
@@ -289,22 +294,6 @@ impl<R: Real> Metrics<R> {
     }
 }
 
-/// Why a flight failed, as a number.
-pub mod failure {
-    /// It did not: captured, and settled where the bodies merge.
-    pub const NONE: u8 = 0;
-    /// The state became non-finite.
-    pub const DIVERGED: u8 = 1;
-    /// Captured, but the stack was not settled at the end.
-    pub const NOT_SETTLED: u8 = 2;
-    /// The law has no gains for the body that it is to fly.
-    pub const NO_GAINS: u8 = 3;
-    /// Never captured; plus 1, 2, 4, 8 if distance, angle, rate, speed was never below its threshold.
-    pub const NEVER_CAPTURED: u8 = 16;
-    /// All thresholds held at once, but not for the dwell time.
-    pub const DWELL_MISSED: u8 = 32;
-}
-
 // Lanes are chosen last, where most processors do it on the way. Functions, not closures: these are always inlined.
 
 #[inline(always)]
@@ -330,65 +319,6 @@ fn any_axis<M: Mask>([x, y, z]: [M; 3]) -> M {
 /// |I ω| of what flies \[N m s\].
 fn momentum<R: Real>(flight: &Flight<R>) -> R {
     (flight.vehicle.inertia.tensor * flight.truth.chaser_rate).norm()
-}
-
-/// One flight in numbers; NaN for what did not happen. SI units, definitions above.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[allow(missing_docs)]
-pub struct Summary {
-    pub failure: u8,
-    pub end_time: f64,
-    pub capture_time: f64,
-    pub capture_tick: f64,
-    pub settling_time: f64,
-    pub settled_tick: f64,
-    pub diverged_time: f64,
-    pub largest_rate: f64,
-    pub delta_v: [f64; 3],
-    pub delta_v_to_capture: [f64; 3],
-    pub impulse: [f64; 3],
-    pub torque_impulse: [f64; 3],
-    pub peak_force_command: f64,
-    pub peak_force: f64,
-    pub peak_torque_command: f64,
-    pub peak_torque: f64,
-    pub force_saturated_share: f64,
-    pub torque_saturated_share: f64,
-    pub force_chattering: f64,
-    pub torque_chattering: f64,
-    pub final_rate: f64,
-    pub final_pointing: f64,
-    pub momentum_at_capture: f64,
-    pub final_momentum: f64,
-    pub capture_distance: f64,
-    pub capture_angle: f64,
-    pub capture_rate: f64,
-    pub capture_speed: f64,
-}
-
-batch_struct! {
-    /// All that the reference workload keeps: time of first capture (in the flight itself) and applied impulse.
-    pub struct Impulse<R> {
-        /// Σ |F_i| T over axes and ticks \[N s\].
-        pub total: R,
-    }
-}
-
-impl<R: Real> Default for Impulse<R> {
-    fn default() -> Self {
-        Self { total: R::zero() }
-    }
-}
-
-impl<R: Real> Observer<R> for Impulse<R> {
-    fn captured(&mut self, _: &Scene<R>, _: R::Mask, _: &Motion<R>, _: TrackingError<R>) {}
-
-    #[inline(always)]
-    fn observe(&mut self, scene: &Scene<R>, _flight: &Flight<R>, tick: &Tick<R>) {
-        let period = R::select(tick.flown, R::splat(scene.plan.control_period), R::zero());
-        self.total = period.mul_add(tick.applied.wrench.force.abs().sum(), self.total);
-    }
 }
 
 #[cfg(test)]

@@ -146,30 +146,34 @@ pub struct Common {
     pub noisy: Noisy,
     /// What is known of all flights' inertias.
     pub shapes: Shapes,
+    /// All fly the same law with the same gains.
+    pub same_laws: bool,
 }
 
 impl Common {
-    /// Of flights of this case that differ in the numbers at some paths.
-    pub fn new<'a>(case: &Case<f64>, plan: &Plan, differing: impl IntoIterator<Item = &'a str>) -> Self {
-        let merges_askew = plan.transition == Transition::MomentumConserving;
-        let (chaser, debris) = (&case.chaser.inertia, &case.debris.inertia);
-        let mut noisy = Noisy::new(&case.sensors);
-        let mut shapes = Shapes {
-            principal_axes: chaser.is_diagonal() && debris.is_diagonal() && !merges_askew,
-            symmetric_debris: is_symmetric_top(debris),
-        };
+    /// Of flights of this recipe that differ in the numbers at some paths. Such a number is not known beforehand, so it
+    /// stands here as NaN: no noise of that size is silent, no such tensor has a shape, no such gain equals another.
+    ///
+    /// # Errors
+    /// The path at which there is no number.
+    pub fn new<'a>(recipe: &FlightRecipe, differing: impl IntoIterator<Item = &'a str>) -> Result<Self, &'a str> {
+        let mut known = recipe.clone();
         for path in differing {
-            match path {
-                "sensors.position" => noisy.position = true,
-                "sensors.velocity" => noisy.velocity = true,
-                "sensors.attitude" => noisy.attitude = true,
-                "sensors.rate" => noisy.rate = true,
-                "chaser.inertia" => shapes.principal_axes = false,
-                "debris.inertia" => shapes = Shapes::default(),
-                _ => (),
-            }
+            known.field(path).ok_or(path)?.fill(f64::NAN);
         }
-        Self { noisy, shapes }
+        let FlightRecipe { case, law, plan } = &known;
+        let (chaser, debris) = (&case.chaser.inertia, &case.debris.inertia);
+        let merges_askew = plan.transition == Transition::MomentumConserving;
+        Ok(Self {
+            noisy: Noisy::new(&case.sensors),
+            shapes: Shapes {
+                principal_axes: chaser.is_diagonal() && debris.is_diagonal() && !merges_askew,
+                symmetric_debris: is_symmetric_top(debris),
+            },
+            same_laws: *law == recipe.law
+                && case.belief == recipe.case.belief
+                && case.orbit.mean_motion == recipe.case.orbit.mean_motion,
+        })
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod draw;
 mod many;
+mod register;
 
 use detumble_campaign::{FlightRecord, fly_one};
 use detumble_core::case::{Case, FlightRecipe};
@@ -33,13 +34,14 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(lqr_translation, module)?)?;
     module.add_function(wrap_pyfunction!(lqr_rotation, module)?)?;
     module.add_function(wrap_pyfunction!(echo, module)?)?;
+    module.add_function(wrap_pyfunction!(register::register, module)?)?;
     Ok(())
 }
 
 /// One flight with its full history. `differing` are the paths of the numbers in which flights of its campaign differ: such a
 /// flight may have drawn weights without gains, and then ends where they would command.
 #[pyfunction]
-#[pyo3(signature = (case, seed=0, index=0, backend=None, differing=None))]
+#[pyo3(signature = (case, *, seed=0, index=0, backend=None, differing=None))]
 fn fly<'py>(
     py: Python<'py>,
     case: &Bound<'py, PyDict>,
@@ -49,7 +51,8 @@ fn fly<'py>(
     differing: Option<Vec<String>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let recipe = recipe(case)?;
-    let common = Common::new(&recipe.case, &recipe.plan, differing.iter().flatten().map(String::as_str));
+    let common = Common::new(&recipe, differing.iter().flatten().map(String::as_str))
+        .map_err(|path| PyValueError::new_err(format!("{path}: no number of a flight")))?;
     if differing.is_none() {
         sound_laws(&recipe.law, &recipe.case, &recipe.plan)?;
     }
@@ -71,7 +74,7 @@ fn fly<'py>(
     let result = PyDict::new(py);
     result.set_item("backend", backend.name())?;
     result.set_item("history", history)?;
-    result.set_item("summary", pythonize(py, &summary)?)?;
+    result.set_item("summary", register::summary_dict(py, &summary)?)?;
     match merge {
         Some(merge) => result.set_item("merge", merge_dict(py, &merge, &summary)?)?,
         None => result.set_item("merge", py.None())?,
@@ -175,32 +178,32 @@ fn sound_laws(law: &LawRecipe, case: &Case<f64>, plan: &Plan) -> PyResult<Laws> 
     Err(PyValueError::new_err(text))
 }
 
-/// Computes on a thread of its own, so that Ctrl-C is heard meanwhile: then `stop` is set, and the work breaks off.
+/// Computes on a thread of its own. At Ctrl-C `stop` is set, and the work breaks off.
 fn interruptible<T: Send>(py: Python<'_>, stop: &AtomicBool, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     watched(py, stop, || Ok(()), work)
 }
 
-/// The same, calling `glance` now and then; its error stops the work too.
+/// The same, calling `report` now and then; its error stops the work too.
 fn watched<T: Send>(
     py: Python<'_>,
     stop: &AtomicBool,
-    mut glance: impl FnMut() -> PyResult<()>,
+    mut report: impl FnMut() -> PyResult<()>,
     work: impl FnOnce() -> T + Send,
 ) -> PyResult<T> {
-    const PATIENCE: Duration = Duration::from_millis(50);
+    const POLL_INTERVAL: Duration = Duration::from_millis(50);
     std::thread::scope(|scope| {
-        let (done, mut news) = std::sync::mpsc::channel();
-        scope.spawn(move || done.send(work()));
+        let (sender, mut receiver) = std::sync::mpsc::channel();
+        scope.spawn(move || sender.send(work()));
         loop {
-            let heard;
-            (news, heard) = py.detach(move || {
-                let heard = news.recv_timeout(PATIENCE);
-                (news, heard)
+            let received;
+            (receiver, received) = py.detach(move || {
+                let received = receiver.recv_timeout(POLL_INTERVAL);
+                (receiver, received)
             });
-            match heard {
+            match received {
                 Ok(result) => return py.check_signals().map(|()| result),
                 Err(RecvTimeoutError::Timeout) => {
-                    if let Err(interrupt) = py.check_signals().and_then(|()| glance()) {
+                    if let Err(interrupt) = py.check_signals().and_then(|()| report()) {
                         stop.store(true, Ordering::Relaxed);
                         return Err(interrupt);
                     }

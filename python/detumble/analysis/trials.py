@@ -18,7 +18,8 @@ from detumble.campaigns.runs.overlay import overlay
 from detumble.compiled import core
 from detumble.errors import ScenarioError
 from detumble.failures import SUCCESS
-from detumble.scenario.core import case, ticks
+from detumble.scenario.conversions import ticks
+from detumble.scenario.core import case
 from detumble.scenario.faults import validated
 from detumble.surroundings import available_threads
 
@@ -159,7 +160,15 @@ class Trials:
         nominal = self.nominal(law)
         try:
             flown = core().fly_many(
-                nominal, columns, flights, self.seed, self.first, threads, backend, False, progress, self.count
+                nominal,
+                columns,
+                flights,
+                seed=self.seed,
+                first_index=self.first,
+                threads=threads,
+                backend=backend,
+                progress=progress,
+                cycle=self.count,
             )
         except ValueError as error:
             raise ScenarioError(self.scenario.title, problem=str(error)) from None

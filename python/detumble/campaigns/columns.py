@@ -33,7 +33,7 @@ INDEX = Column("index", "", "number of the run; with the seed it names all rando
 SUCCEEDED = Column("success", "", "captured, and settled where the bodies merge; not diverged")
 FAILURE = Column("failure", "", "why the run failed; null for a success")
 END_TIME = Column("end_time_s", "s", "time at which the flight was ended")
-SCALARS = tuple(metric for metric in METRICS if not metric.name.endswith("_axes"))
+SCALARS = tuple(metric for metric in METRICS if metric.kind != "axes")
 EARLY = {
     "settling_time": "from capture to the tick from which angle and rate against H hold to the end of this flight; where "
     "campaign.end is settled, that is campaign.hold later, and what the stack would do after it is not known"

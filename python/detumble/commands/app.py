@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand, TyperOption
 
 from detumble.commands.bench import bench
 from detumble.commands.bound import bound
@@ -17,6 +18,20 @@ from detumble.commands.schema import schema
 from detumble.commands.tune import tune
 from detumble.version import __version__
 
+
+class Command(TyperCommand):
+    """A command in whose help `{laws}` stands for the names of the laws; their register takes long to import."""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """Write the help, with the names of the laws."""
+        from detumble.scenario.laws import LAWS
+
+        for parameter in self.params:
+            if isinstance(parameter, TyperOption) and parameter.help:
+                parameter.help = parameter.help.replace("{laws}", ", ".join(LAWS))
+        super().format_help(ctx, formatter)
+
+
 app = typer.Typer(
     name="detumble",
     no_args_is_help=True,
@@ -25,7 +40,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 for command in (paper, run, campaign, bound, tune, compare, scenarios, schema, bench):
-    app.command()(command)
+    app.command(cls=Command)(command)
 
 
 def _version(asked: bool) -> None:

@@ -15,9 +15,6 @@ if TYPE_CHECKING:
 
     from detumble.scenario.model import Scenario
 
-LAWS = "pd, lqr, sosmc, tsmc, prrl"
-"""Names for the help of --law; the register of the laws takes too long to import for that."""
-
 SCENARIO = typer.Argument(help="Name of a built-in scenario, or path of a TOML file.")
 ScenarioName = Annotated[str, SCENARIO]
 More = Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=VALUE]...")]
@@ -25,7 +22,7 @@ More = Annotated[list[str] | None, typer.Argument(hidden=True, metavar="[FIELD=V
 Settings = Annotated[
     list[str] | None, typer.Option("--set", metavar="FIELD=VALUE ...", help="Change fields: chaser.mass=12")
 ]
-Law = Annotated[str | None, typer.Option(help=f"{LAWS}, or none for open loop.  [prrl, or the only one given]")]
+Law = Annotated[str | None, typer.Option(help="{laws}, or none for open loop.  [prrl, or the only one given]")]
 Threads = Annotated[int | None, typer.Option(help="Threads to use; all processors by default.")]
 Backend = Annotated[str | None, typer.Option(help="portable, avx2 or avx512; else the core chooses.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]

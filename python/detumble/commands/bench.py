@@ -65,7 +65,7 @@ def _steps_per_second(backend: str, threads: int) -> float:
 
     def fly(count: int) -> float:
         columns = start_columns(random_starts(count))
-        return _timed(lambda: core().fly_many(recipe, columns, count, 0, 0, threads, backend, True))
+        return _timed(lambda: core().fly_many(recipe, columns, count, threads=threads, backend=backend))
 
     probe = 64 * threads
     fly(probe)

@@ -108,7 +108,9 @@ def _text(flight: Flight) -> str:
         if value is None and metric.name not in ALWAYS_SHOWN:
             continue
         numbers = value if isinstance(value, tuple) else (value,)
-        shown = "  ".join(str(number) if metric.whole and number is not None else cell(number, 4) for number in numbers)
+        shown = "  ".join(
+            str(number) if metric.kind == "whole" and number is not None else cell(number, 4) for number in numbers
+        )
         rows.append((metric.label, shown, metric.unit))
     run = f", run {flight.index}" if flight.index else ""
     width = max(len(row[1]) for row in rows)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from detumble.commands.arguments import (
-    LAWS,
     AsJson,
     More,
     ScenarioName,
@@ -43,7 +42,7 @@ FRONT_FILES = (NUMBERS, "front.csv", "front.png", "point-[0-9]*.toml")
 def tune(
     scenario: ScenarioName,
     more: More = None,
-    law: Annotated[str | None, typer.Option(help=f"{LAWS}.  [prrl, or the only one given]")] = None,
+    law: Annotated[str | None, typer.Option(help="{laws}.  [prrl, or the only one given]")] = None,
     budget: Annotated[int, typer.Option(help="Number of candidates; each flies from all starts.")] = 2000,
     starts: Annotated[int, typer.Option(help="Runs of the campaign that each candidate flies.")] = 256,
     seed: Annotated[int, typer.Option(help="Seed of these runs.")] = 0,
@@ -216,7 +215,7 @@ def _ranges(space: Space) -> str:
 def _headline(result: SearchResult, what: str) -> str:
     from detumble.scenario.laws import TITLES
 
-    law, objective = f"{TITLES[result.law]}, {result.setting.form}", result.objective
+    law, objective = ", ".join(filter(None, (TITLES[result.law], result.setting.form))), result.objective
     return (
         f"{result.initial.title}\n{law}: {objective.statistic} {what} over {result.starts} starts of seed {result.seed}\n"
         f"at least {100 * objective.required:g} % successful within {result.horizon:g} s"

@@ -1,23 +1,31 @@
-"""The scenario as the core takes it: plain numbers, everything resolved, nothing left to default."""
+"""The scenario as the core takes it: plain numbers, everything resolved, nothing left to default.
+
+What becomes what is declared (`detumble.scenario.tables`); here are the loops over these declarations.
+"""
 
 from __future__ import annotations
 
-import math
+from functools import partial
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from detumble.checking import choice
 from detumble.errors import Fault, ScenarioError
-from detumble.scenario.laws import LAWS, Prrl, TsmcExponents
-from detumble.scenario.physics import tensor, unit
-from detumble.scenario.step import steps_per_period
+from detumble.scenario import conversions
+from detumble.scenario.laws import LAWS
+from detumble.scenario.plan import PLAN, SEGMENT
+from detumble.scenario.rules import active
+from detumble.scenario.step import integration_step
+from detumble.scenario.tables import body_rules, law_rules, law_words, quantities
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from detumble.scenario.laws import Law, OpenLoop
+    from detumble.scenario.conversions import Array
+    from detumble.scenario.laws import Segment
     from detumble.scenario.model import Scenario
-    from detumble.scenario.quantity import Axes
-    from detumble.scenario.section import Section
+    from detumble.scenario.rules import At, Rule
 
 Tree = dict[str, Any]
 
@@ -39,166 +47,96 @@ def case(scenario: Scenario, law: str, *, until_the_end: bool = True) -> Tree:
     """
     choice("law", law, LAWS, {"none": "for open loop"})
     scenario.check()
-    chaser, debris = scenario.chaser, scenario.debris
-    orbit: Tree = {"mean_motion": scenario.orbit.mean_motion, "lvlh_attitude": unit(scenario.orbit.lvlh_attitude)}
-    return {
-        "orbit": orbit,
-        "chaser": _body(chaser.mass, chaser.inertia, chaser.grasp_point),
-        "debris": _body(debris.mass, debris.inertia, debris.grasp_point),
-        "start": {
-            "position": list(chaser.position),
-            "velocity": list(chaser.velocity),
-            "chaser_attitude": unit(chaser.attitude),
-            "chaser_rate": list(chaser.rate),
-            "debris_attitude": unit(debris.attitude),
-            "debris_rate": list(debris.tumble_rate),
-        },
-        "goal": _goal(scenario),
-        "capture": {
-            "distance": scenario.capture.distance,
-            "angle": math.radians(scenario.capture.angle_deg),
-            "rate": scenario.capture.rate,
-            "speed": math.inf if scenario.capture.speed is None else scenario.capture.speed,
-        },
-        "settled": {"angle": math.radians(scenario.settled.angle_deg), "rate": scenario.settled.rate},
-        "actuators": {
-            "force": axes(scenario.actuators.force_limit),
-            "torque": axes(scenario.actuators.torque_limit),
-            "force_gain": axes(scenario.actuators.force_gain),
-            "torque_gain": axes(scenario.actuators.torque_gain),
-        },
-        "sensors": {
-            "position": scenario.sensors.position_sigma,
-            "velocity": scenario.sensors.velocity_sigma,
-            "attitude": scenario.sensors.attitude_sigma,
-            "rate": scenario.sensors.rate_sigma,
-        },
-        "belief": _belief(scenario),
-        "law": _open_loop(scenario) if law == "none" else _law(scenario, law),
-        "plan": _plan(scenario, law, until_the_end),
+    _check_gains(scenario, law)
+    tree: Tree = {}
+    for path, rules in (body_rules() | law_rules(law)).items():
+        _put(tree, path, _plain(converted(active(rules, scenario.at), scenario.at)))
+    _put_plan(tree, scenario, law, until_the_end)
+    return tree
+
+
+def _check_gains(scenario: Scenario, law: str) -> None:
+    if law != "none" and getattr(scenario.laws, law) is None:
+        given = ", ".join(scenario.laws.closed_loop) or "no law"
+        raise ScenarioError(scenario.title, [Fault(f"laws.{law}", f"missing; this scenario has gains for {given}")])
+
+
+def _put_plan(tree: Tree, scenario: Scenario, law: str, until_the_end: bool) -> None:
+    """Write the plan, the law's kind and form, and the open-loop segments."""
+    asked = {
+        "flight.law": law,
+        "flight.whole": until_the_end,
+        "time.integration_step": integration_step(scenario),
     }
 
+    def at(path: str) -> Any:
+        return asked[path] if path in asked else scenario.at(path)
 
-def axes(value: Axes) -> list[float]:
-    """Give one number for each axis."""
-    return [value] * 3 if isinstance(value, float) else [float(element) for element in value]
-
-
-def ticks(duration: float, period: float) -> int:
-    """Count the periods needed to cover a duration; a duration of whole periods gives their number despite rounding."""
-    count = duration / period
-    return max(0, math.ceil(count - 1e-9 * max(1.0, count)))
-
-
-def _body(mass: float, inertia: Any, grasp_point: Any) -> Tree:
-    return {"mass": mass, "inertia": tensor(inertia), "grasp_point": list(grasp_point or (0.0, 0.0, 0.0))}
+    for path, rules in (PLAN | law_words(law)).items():
+        _put(tree, path, _word(rules, at))
+    if law == "none":
+        segments = scenario.laws.none.segments if scenario.laws.none else []
+        tree["law"]["segments"] = [
+            {key: _word(rules, partial(_in_segment, segment, at)) for key, rules in SEGMENT.items()}
+            for segment in segments
+        ]
 
 
-def _goal(scenario: Scenario) -> Tree:
-    position = scenario.goal.position or (0.0, 0.0, 0.0)
-    return {"position": list(position), "after_capture": list(scenario.goal.position_after_capture or position)}
+def _in_segment(segment: Segment, at: At, path: str) -> Any:
+    section, _, name = path.partition(".")
+    return getattr(segment, name) if section == "segment" else at(path)
 
 
-def design(name: str, at: Callable[[str], Any]) -> Any:
-    """Give what the laws believe of the bodies unless they are told otherwise: their design.
+def converted(rule: Rule, at: At, column: Callable[[str], Array | None] = lambda _: None) -> Array:
+    """Give what a rule makes of the values of its fields.
 
     Args:
-        name: of a field of `belief`: a mass, or an inertia.
+        rule: that applies.
+        at: gives the scenario's values by path.
+        column: gives the draws of a field by path, (n, k); None where the scenario's own value holds.
+
+    Returns:
+        Shape (k,), or (n, k) if one of the fields is drawn.
+    """
+    values = []
+    for path in rule.of:
+        drawn = column(path)
+        values.append(np.array(quantities()[path].numbers(at(path))) if drawn is None else drawn)
+    return conversions.NUMBERS[rule.conversion](*values)
+
+
+def design(path: str, at: At) -> Any:
+    """Give what stands for a field that is absent and follows from the nominal bodies, as beliefs do; None for other fields.
+
+    Args:
+        path: of the scenario: `belief.stack_mass`.
         at: gives the scenario's values by path.
 
     Returns:
-        kg, or kg m² as a 3x3 list.
+        In the unit of the field; an inertia as a 3x3 list.
     """
-    alone = name.startswith("chaser")
-    if name.endswith("mass"):
-        return at("chaser.mass") if alone else at("chaser.mass") + at("debris.mass")
-    of_chaser = tensor(at("chaser.inertia"))
-    if alone:
-        return of_chaser
-    of_debris = tensor(at("debris.inertia"))
-    return [[of_chaser[i][j] + of_debris[i][j] for j in range(3)] for i in range(3)]
+    place = quantities()[path].place
+    rule = next((rule for rule in place.otherwise if rule.design), None) if place else None
+    return None if rule is None else _plain(converted(rule, at))
 
 
-BELIEFS = ("chaser_mass", "chaser_inertia", "stack_mass", "stack_inertia")
+def _word(rules: tuple[Rule, ...], at: At) -> Any:
+    rule = active(rules, at)
+    if rule.constant is not None:
+        return rule.constant
+    value = conversions.PLAN[rule.conversion](*map(at, rule.of))
+    return list(value) if isinstance(value, tuple) else value
 
 
-def _belief(scenario: Scenario) -> Tree:
-    given = {name: scenario.at(f"belief.{name}") for name in BELIEFS}
-    resolved = {name: design(name, scenario.at) if value is None else value for name, value in given.items()}
-    return {name: value if name.endswith("mass") else tensor(value, rigid=False) for name, value in resolved.items()}
+def _plain(numbers: Array) -> Any:
+    """Give one number as a float, a vector as a list, nine numbers as the rows of a matrix."""
+    if numbers.size == 1:
+        return float(numbers[0])
+    return (numbers.reshape(3, 3) if numbers.size == 9 else numbers).tolist()
 
 
-def _open_loop(scenario: Scenario) -> Tree:
-    period = scenario.time.control_period
-    after = round(scenario.time.duration / period) + 1  # what lies after the flight's last tick does not act
-    open_loop: OpenLoop | None = scenario.laws.none
-    segments = [
-        {
-            "first_tick": min(round(segment.start / period), after),
-            "end_tick": min(round(segment.end / period), after),
-            "frame": segment.frame,
-            "force": list(segment.force),
-            "torque": list(segment.torque),
-        }
-        for segment in (open_loop.segments if open_loop else ())
-    ]
-    return {"kind": "none", "segments": segments}
-
-
-def _law(scenario: Scenario, name: str) -> Tree:
-    law = getattr(scenario.laws, name)
-    if law is None:
-        given = [other for other in LAWS if getattr(scenario.laws, other) is not None]
-        text = f"missing; this scenario has gains for {', '.join(given) or 'no law'}"
-        raise ScenarioError(scenario.title, [Fault(f"laws.{name}", text)])
-    phases = {
-        phase: {channel: _gains(law, f"{table}{channel}") for channel in ("translation", "rotation")}
-        for phase, table in (("before", ""), ("after", "stack."))
-    }
-    return {"kind": name, "form": law.form, **phases}
-
-
-def _gains(law: Law[Any, Any], channel: str) -> Tree:
-    """Give the gains of one channel; a stack without its own keeps those of before."""
-    gains: Section = law.at(channel) or law.at(channel.removeprefix("stack."))
-    fields = gains.model_dump()
-    if isinstance(gains, TsmcExponents):
-        p, q = gains.exponent(law.form)
-        for name in TsmcExponents.model_fields:
-            del fields[name]
-        return {name: axes(value) for name, value in fields.items()} | {"exponent": p / q}
-    if isinstance(law, Prrl):
-        fields["alpha"] = law.power(channel)
-    return {name: value if name in ("r", "alpha") else axes(value) for name, value in fields.items()}
-
-
-def _plan(scenario: Scenario, law: str, until_the_end: bool) -> Tree:
-    time, capture, laws = scenario.time, scenario.capture, scenario.laws
-    periods = round(time.duration / time.control_period)
-
-    def counted(wait: float) -> int:
-        """Count the ticks of a wait; one longer than the flight never ends, however long it is."""
-        return ticks(min(wait, (periods + 1) * time.control_period), time.control_period)
-
-    return {
-        "control_period": time.control_period,
-        "steps_per_period": steps_per_period(scenario),
-        "periods": periods,
-        "dwell_ticks": counted(capture.dwell),
-        "goal": _goal_kind(scenario),
-        "stack_goal": "reached" if scenario.goal.position_after_capture is None else "given",
-        "distance_from": capture.distance_from,
-        "transition": capture.transition if capture.merge and law != "none" else "none",
-        "stack_belief": scenario.belief.stack,
-        "saturation": scenario.actuators.saturation,
-        "attitude_error": laws.attitude_error,
-        "surface_rate": laws.surface_rate,
-        "end": "duration" if until_the_end or law == "none" else scenario.campaign.end,
-        "hold_ticks": counted(scenario.campaign.hold),
-    }
-
-
-def _goal_kind(scenario: Scenario) -> str:
-    if not scenario.has_grasp_points:
-        return "fixed"
-    return "grasp_feedforward" if scenario.goal.acceleration_feedforward else "grasp"
+def _put(tree: Tree, path: str, value: Any) -> None:
+    *steps, name = path.split(".")
+    for step in steps:
+        tree = tree.setdefault(step, {})
+    tree[name] = value

@@ -6,8 +6,7 @@ import contextlib
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from types import UnionType
-from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin
+from typing import TYPE_CHECKING, Any, get_args, get_origin
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import PydanticUndefined
@@ -15,13 +14,12 @@ from pydantic_core import PydanticUndefined
 from detumble.errors import Fault, ScenarioError
 from detumble.scenario.dispersions import DISTRIBUTIONS
 from detumble.scenario.hints import unknown_key
-from detumble.scenario.quantity import Quantity
+from detumble.scenario.reflection import quantity_of, section_of
 from detumble.scenario.section import Section
 from detumble.scenario.wording import pretty, shown
 from detumble.text import did_you_mean
 
 if TYPE_CHECKING:
-    from pydantic.fields import FieldInfo
     from pydantic_core import ErrorDetails
 
     from detumble.scenario.model import Scenario
@@ -142,37 +140,6 @@ def _walk(model: type[Section], place: Place) -> tuple[Place, type[Section] | No
             owner, field = inner, inner.model_fields.get(step) if inner else None
             inner = section_of(field.annotation) if field else None
     return tuple(kept), owner
-
-
-def section_at(model: type[Section], place: Place) -> type[Section] | None:
-    """Find the section that stands at a place of the model, or None where there is none."""
-    current: type[Section] | None = model
-    for step in place:
-        if isinstance(step, int):
-            continue
-        field = current.model_fields.get(step) if current else None
-        current = section_of(field.annotation) if field else None
-    return current
-
-
-def section_of(annotation: Any) -> type[Section] | None:
-    """Find the section that a field holds, perhaps optional or in a list; None where it holds a value."""
-    if isinstance(annotation, type) and get_origin(annotation) is None and issubclass(annotation, Section):
-        return annotation
-    if get_origin(annotation) in (Union, UnionType, list):
-        return next((found for inner in get_args(annotation) if (found := section_of(inner))), None)
-    return None
-
-
-def quantity_of(field: FieldInfo) -> Quantity | None:
-    """Find the quantity that describes a field, also where the field is optional."""
-    inner = [meta for part in get_args(field.annotation) for meta in getattr(part, "__metadata__", ())]
-    return next((meta for meta in (*field.metadata, *inner) if isinstance(meta, Quantity)), None)
-
-
-def is_text(field: FieldInfo | None) -> bool:
-    """Tell whether a field holds text: a title, or one of several words."""
-    return field is not None and (field.annotation is str or get_origin(field.annotation) is Literal)
 
 
 def _needed(owner: type[Section] | None, name: str) -> str:

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 from detumble.checking import instance, met, texts
 from detumble.errors import Fault, RequestError, ScenarioError
-from detumble.scenario.faults import is_text, section_at, validated
+from detumble.scenario.faults import validated
 from detumble.scenario.model import Scenario
+from detumble.scenario.reflection import is_text, section_at
 from detumble.text import did_you_mean
 from detumble.writing import named_file, read_bytes, reason, write_text
 

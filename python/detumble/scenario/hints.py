@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from detumble.checking import plain
 from detumble.scenario import physics
-from detumble.scenario.laws import LAWS, TsmcExponents
+from detumble.scenario.laws import CHANNELS, REGISTER, form_of
+from detumble.scenario.laws.base import gains_of_section
 from detumble.scenario.wording import pretty, shown
 from detumble.text import did_you_mean
 
@@ -40,9 +41,6 @@ _FIELD_UNITS = {"deg": (_TURN, "rad")}
 
 _BODY = {"m": "mass", "I": "inertia", "J": "inertia", "q": "attitude"}
 _OMEGA = ("omega", "ω", "w", "angular_velocity")
-_LAYER = dict.fromkeys(("phi", "φ", "ϕ", "Φ", "delta", "δ"), "layer")
-_SLOPE = dict.fromkeys(("c", "Lambda", "Λ", "λ"), "slope")
-_GAIN = dict.fromkeys(("k", "K"), "gain")
 SYMBOLS: dict[str, dict[str, str]] = {
     "orbit": {"a": "radius", "R": "radius", "h": "altitude", "GM": "mu", "μ": "mu", "R_E": "earth_radius"},
     "chaser": {
@@ -71,17 +69,8 @@ SYMBOLS: dict[str, dict[str, str]] = {
         }.items()
         for of in symbols
     },
-    "pd": {"K_p": "kp", "K_d": "kd"},
-    "lqr.translation": {**dict.fromkeys(("q_r", "q_e", "q_x", "Q"), "q_error"), "q_v": "q_rate", "R": "r"},
-    "lqr.rotation": {
-        **dict.fromkeys(("q_eps", "q_ε", "q_q", "q_theta", "q_θ", "q_r", "Q"), "q_error"),
-        **dict.fromkeys(("q_w", "q_omega", "q_ω"), "q_rate"), "R": "r",
-    },
-    "sosmc": {**_SLOPE, **_GAIN, **_LAYER, "alpha": "proportional", "α": "proportional"},
-    "tsmc": {**_SLOPE, **_GAIN, **_LAYER, "alpha": "slope", "α": "slope", "beta": "gain", "β": "gain"},
-    "prrl": {**_SLOPE, **_GAIN, **_LAYER, "α": "alpha"},
 }  # fmt: skip
-"""What papers call our fields, by table; a law's symbols hold in both of its channels."""
+"""What papers call our fields, by table; gains declare their own symbols (`Gain.symbols`)."""
 
 
 def unknown_key(owner: type[Section] | None, name: str, value: Any) -> str:
@@ -102,7 +91,7 @@ def unknown_key(owner: type[Section] | None, name: str, value: Any) -> str:
 def _converted(owner: type[Section], name: str, value: Any) -> str:
     """Where the key names a unit: the field, its unit, and the value converted."""
     from detumble.scenario.dispersions.base import Parameter
-    from detumble.scenario.faults import quantity_of
+    from detumble.scenario.reflection import quantity_of
 
     folded = name.lower()
     for ending in sorted(UNITS, key=len, reverse=True):
@@ -144,7 +133,7 @@ def _times(value: Any, factor: float) -> Any:
 
 def _symbol(owner: type[Section], name: str) -> str:
     """Where the key is what papers call a field: its name here, also in one or two of the tables beneath."""
-    from detumble.scenario.faults import section_of
+    from detumble.scenario.reflection import section_of
 
     beneath = {table: section_of(info.annotation) for table, info in owner.model_fields.items() if table != "stack"}
     found = [_named(owner, name)] if _named(owner, name) else [
@@ -155,8 +144,8 @@ def _symbol(owner: type[Section], name: str) -> str:
 
 def _named(owner: type[Section], name: str) -> str:
     """Give the field of a section that a symbol stands for; empty for none."""
-    table = owner.table().rstrip(".")
-    symbols = SYMBOLS.get(table) or SYMBOLS.get(table.partition(".")[0], {})
+    symbols = SYMBOLS.get(owner.table().rstrip("."), {})
+    symbols |= {symbol: gain for gain, declared in gains_of_section(owner).items() for symbol in declared.symbols}
     folded = {symbol.lower().replace("_", ""): field for symbol, field in symbols.items()}
     field = symbols.get(name) or folded.get(name.lower().replace("_", ""), "")
     return field if field in owner.model_fields else ""
@@ -263,16 +252,15 @@ def far_away(distance: float, scenario: Scenario) -> str:
 
 
 def _exponents(scenario: Scenario, law: str | None) -> Iterator[str]:
-    for name in LAWS if law is None else (law,):
-        gains = getattr(scenario.laws, name, None)
-        if name == "none" or gains is None:
-            continue
-        for channel in ("translation", "rotation", "stack.translation", "stack.rotation"):
-            own = gains.at(channel)
-            ending = "" if gains.form == "printed" else "_corrected"
-            if isinstance(own, TsmcExponents) and not {f"p{ending}", f"q{ending}"} <= own.model_fields_set:
-                p, q = own.exponent(gains.form)
-                yield (
-                    f"laws.{name}.{channel}: the {gains.form} form flies p{ending}/q{ending} = {p}/{q}, not given here in full: "
-                    "the rest is the default, ours"
-                )
+    for name in REGISTER if law is None else REGISTER.keys() & {law}:
+        gains = getattr(scenario.laws, name)
+        for channel in (*CHANNELS, *(f"stack.{channel}" for channel in CHANNELS)) if gains else ():
+            own, form = gains.at(channel), form_of(gains)
+            for gain in own.by_form if own and form else ():
+                fraction = gain.fractions[form]
+                if not set(fraction.fields) <= own.model_fields_set:
+                    flown = " = ".join("/".join(map(str, pair)) for pair in (fraction.fields, fraction.of(own)))
+                    yield (
+                        f"laws.{name}.{channel}: the {form} form flies {flown}, not given here in full: "
+                        "the rest is the default, ours"
+                    )

@@ -9,25 +9,21 @@ import math
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field, StrictBool
+from pydantic import Field
 
-from detumble.checking import plain
 from detumble.errors import Fault
 from detumble.scenario.accuracy import AUTOMATIC_ERROR, MOST_STEPS
+from detumble.scenario.bodies import Belief, Chaser, Debris, Goal, Orbit
 from detumble.scenario.dispersions import AnyDispersion, Correlation
+from detumble.scenario.hardware import Actuators, Sensors
 from detumble.scenario.laws import Laws, Segment
-from detumble.scenario.quantity import Axes, Inertia, Quantity, Quaternion, Vector
+from detumble.scenario.quantity import Quantity, Switch
+from detumble.scenario.rules import Place, Rule
 from detumble.scenario.section import Relation, Section, lines, one_line
 from detumble.scenario.wording import shown
 
 MOST_PERIODS = 2_000_000
 """Keeps the history of one flight within a laptop's memory."""
-
-_ZERO: Vector = (0.0, 0.0, 0.0)
-_IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
-
-
-Switch = Annotated[StrictBool, BeforeValidator(plain)]
 
 
 def whole(count: float) -> bool:
@@ -84,94 +80,26 @@ class Time(Section):
     )
 
 
-def _orbit_fault(altitude: float | None, radius: float | None) -> str | None:
-    if (altitude is None) == (radius is None):
-        return "exactly one of altitude and radius must be given"
-    return None
-
-
-class Orbit(Section):
-    """The target's circular orbit."""
-
-    altitude: Annotated[float, Quantity("m", "height above earth_radius", kilo=True, least=8e4, most=1e8)] | None = None
-    radius: Annotated[float, Quantity("m", "distance from the centre", kilo=True, least=1e6, most=1e9)] | None = None
-    earth_radius: Annotated[float, Quantity("m", "radius of the planet", kilo=True, least=1e5, most=1e8)] = 6371e3
-    mu: Annotated[
-        float, Quantity("m^3/s^2", "gravitational parameter of the planet", kilo=1e9, least=1e10, most=1e18)
-    ] = 3.986004418e14
-    lvlh_attitude: Annotated[Quaternion, Quantity("", "q_HN, H -> N at t = 0", shape="quaternion")] = _IDENTITY
-
-    alternatives: ClassVar[tuple[tuple[str, str], ...]] = (("altitude", "radius"),)
-    relations: ClassVar[tuple[Relation, ...]] = (Relation("altitude", ("altitude", "radius"), _orbit_fault),)
-
-    @property
-    def mean_motion(self) -> float:
-        """Angular rate of H about its z axis, rad/s: sqrt(mu / a^3)."""
-        radius = self.distance
-        return math.sqrt(self.mu / (radius * radius * radius))
-
-    @property
-    def distance(self) -> float:
-        """Radius of the orbit, m."""
-        return self.radius if self.radius is not None else self.earth_radius + (self.altitude or 0.0)
-
-
-def _mass() -> Quantity:
-    return Quantity("kg", "mass", least=1e-3, most=1e5)
-
-
-def _inertia(meaning: str, *, rigid: bool = True) -> Quantity:
-    return Quantity("kg m^2", meaning, shape="inertia", rigid=rigid, least=-1e6, most=1e6)
-
-
-def _rate(meaning: str) -> Quantity:
-    return Quantity("rad/s", meaning, shape="vector", least=-100.0, most=100.0)
-
-
-def _position(meaning: str) -> Quantity:
-    return Quantity("m", meaning, shape="vector", least=-1e6, most=1e6)
-
-
-class Chaser(Section):
-    """The spacecraft that captures."""
-
-    mass: Annotated[float, _mass()]
-    inertia: Annotated[Inertia, _inertia("inertia about the centre of mass, body axes")]
-    position: Annotated[Vector, _position("r_CD_H at t = 0: relative to the debris, in H")]
-    velocity: Annotated[
-        Vector,
-        Quantity("m/s", "relative velocity at t = 0, seen in the turning H", shape="vector", least=-1e3, most=1e3),
-    ] = _ZERO
-    attitude: Annotated[Quaternion, Quantity("", "C -> N at t = 0", shape="quaternion")] = _IDENTITY
-    rate: Annotated[Vector, _rate("omega_CN_C at t = 0")] = _ZERO
-    grasp_point: Annotated[Vector, _position("grasp point in C axes")] | None = None
-
-
-class Debris(Section):
-    """The tumbling target, at the origin of H."""
-
-    mass: Annotated[float, _mass()]
-    inertia: Annotated[Inertia, _inertia("inertia about the centre of mass, body axes")]
-    attitude: Annotated[Quaternion, Quantity("", "D -> N at t = 0", shape="quaternion")] = _IDENTITY
-    tumble_rate: Annotated[Vector, _rate("omega_DN_D at t = 0")]
-    grasp_point: Annotated[Vector, _position("grasp point in D axes")] | None = None
-
-
-class Goal(Section):
-    """Where the chaser shall stand relative to the debris; with grasp points that follows from them."""
-
-    position: Annotated[Vector, _position("r_des in H, before capture")] | None = None
-    position_after_capture: Annotated[Vector, _position("r_des in H of the stack; default: it stays")] | None = None
-    acceleration_feedforward: Switch = Field(False, description="with grasp points: the law adds m a_des")
-
-
 class Capture(Section):
     """The thresholds, strict, all at once; and what becomes of the two bodies."""
 
-    distance: Annotated[float, Quantity("m", "from the goal (or between the grasp points)", above=0.0, most=1e6)]
-    angle_deg: Annotated[float, Quantity("deg", "attitude error against the debris", above=0.0, most=180.0)]
-    rate: Annotated[float, Quantity("rad/s", "norm of the relative angular rate", above=0.0, most=100.0)]
-    speed: Annotated[float, Quantity("m/s", "relative speed in H", above=0.0, most=1e4)] | None = None
+    distance: Annotated[
+        float,
+        Quantity("m", "from the goal (or between the grasp points)", place="capture.distance", above=0.0, most=1e6),
+    ]
+    angle_deg: Annotated[
+        float, Quantity("deg", "attitude error against the debris", place="capture.angle", above=0.0, most=180.0)
+    ]
+    rate: Annotated[
+        float, Quantity("rad/s", "norm of the relative angular rate", place="capture.rate", above=0.0, most=100.0)
+    ]
+    speed: (
+        Annotated[
+            float,
+            Quantity("m/s", "relative speed in H", place=Place("capture.speed", Rule("infinite")), above=0.0, most=1e4),
+        ]
+        | None
+    ) = None
     dwell: Annotated[float, Quantity("s", "how long all must have held", least=0.0, most=1e7)] = 0.0
     distance_from: Literal["goal", "debris"] = Field("goal", description="distance is |r - r_des|, or |r|")
     transition: Literal["approximate", "momentum_conserving"] = Field(
@@ -188,63 +116,12 @@ class Capture(Section):
 class Settled(Section):
     """When the stack counts as stabilised: both hold until the end of the flight."""
 
-    angle_deg: Annotated[float, Quantity("deg", "stack axes against H", above=0.0, most=180.0)] = 5.0
-    rate: Annotated[float, Quantity("rad/s", "rate relative to H", above=0.0, most=100.0)] = 0.005
-
-
-class Actuators(Section):
-    """Generators of force and torque, with limits and a gain that may be off."""
-
-    force_limit: Annotated[Axes, Quantity("N", "limit per axis", shape="axes", above=0.0, most=1e6, infinite=True)]
-    torque_limit: Annotated[Axes, Quantity("N m", "limit per axis", shape="axes", above=0.0, most=1e6, infinite=True)]
-    force_gain: Annotated[
-        Axes, Quantity("", "force given per force commanded, after the limit", shape="axes", above=0.0, most=10.0)
-    ] = 1.0
-    torque_gain: Annotated[
-        Axes, Quantity("", "torque given per torque commanded, after the limit", shape="axes", above=0.0, most=10.0)
-    ] = 1.0
-    saturation: Literal["per_axis", "scaled"] = Field(
-        "per_axis", description="each axis is clipped, or the whole vector is scaled until it fits"
-    )
-
-    @classmethod
-    def unlimited(cls) -> Actuators:
-        """Give actuators without limits."""
-        return cls.model_construct(_fields_set=set(), force_limit=math.inf, torque_limit=math.inf)
-
-
-class Sensors(Section):
-    """Standard deviations of white Gaussian noise per axis, drawn anew at each control tick."""
-
-    position_sigma: Annotated[float, Quantity("m", "relative position", least=0.0, most=1e4)] = 0.0
-    velocity_sigma: Annotated[float, Quantity("m/s", "relative velocity", least=0.0, most=1e3)] = 0.0
-    attitude_sigma: Annotated[float, Quantity("rad", "chaser attitude, small angle", least=0.0, most=1.0)] = 0.0
-    rate_sigma: Annotated[float, Quantity("rad/s", "chaser rate", least=0.0, most=10.0)] = 0.0
-
-
-def _belief_relation(field: str) -> Relation:
-    def fault(stack: str, override: object) -> str | None:
-        return (
-            None
-            if override is None or stack == "design"
-            else 'needs stack = "design"; a law that is told the truth has no belief'
-        )
-
-    return Relation(field, ("stack", field), fault)
-
-
-class Belief(Section):
-    """What the laws believe about the bodies; the default is their design."""
-
-    stack: Literal["design", "true"] = Field(
-        "design", description="the stack is m_c + m_d and I_c + I_d as matrices, or what it truly is"
-    )
-    chaser_mass: Annotated[float, _mass()] | None = None
-    chaser_inertia: Annotated[Inertia, _inertia("believed inertia of the chaser", rigid=False)] | None = None
-    stack_mass: Annotated[float, _mass()] | None = None
-    stack_inertia: Annotated[Inertia, _inertia("believed inertia of the stack", rigid=False)] | None = None
-
-    relations: ClassVar[tuple[Relation, ...]] = (_belief_relation("stack_mass"), _belief_relation("stack_inertia"))
+    angle_deg: Annotated[
+        float, Quantity("deg", "stack axes against H", provenance="ours", place="settled.angle", above=0.0, most=180.0)
+    ] = 5.0
+    rate: Annotated[
+        float, Quantity("rad/s", "rate relative to H", provenance="ours", place="settled.rate", above=0.0, most=100.0)
+    ] = 0.005
 
 
 class Campaign(Section):

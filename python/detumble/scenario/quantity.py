@@ -9,13 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import BeforeValidator, GetCoreSchemaHandler, GetJsonSchemaHandler, StrictBool
 from pydantic_core import PydanticCustomError, core_schema
 
 from detumble.checking import plain, unit_of
 from detumble.scenario import physics
+from detumble.scenario.rules import Place
 from detumble.scenario.wording import shown
 
 Vector = tuple[float, float, float]
@@ -25,6 +26,9 @@ Axes = float | Vector
 """One number for every axis, or one for each."""
 Inertia = Vector | Matrix
 """Principal moments, or the full symmetric tensor."""
+
+Switch = Annotated[StrictBool, BeforeValidator(plain)]
+"""True or false, and nothing that merely looks like it."""
 
 Shape = Literal["number", "odd", "vector", "axes", "quaternion", "inertia"]
 _SHAPES = {"vector": "a list of 3 numbers", "axes": "a number or a list of 3", "quaternion": "a list of 4 numbers"}
@@ -88,6 +92,9 @@ class Quantity:
             factor: 1e9 where km³/s² may have been meant.
         rigid: an inertia that a real body must be able to have (triangle inequality).
         words: texts that may stand instead of a number.
+        note: follows the meaning in descriptions of the field.
+        provenance: of the default.
+        place: where the field goes in the core; a path, or a `Place` with rules for where the field is absent.
         bounds: as in Range.
     """
 
@@ -100,6 +107,9 @@ class Quantity:
         kilo: bool | float = False,
         rigid: bool = True,
         words: tuple[str, ...] = (),
+        note: str = "",
+        provenance: str = "",
+        place: str | Place | None = None,
         above: float | None = None,
         least: float | None = None,
         below: float | None = None,
@@ -112,6 +122,9 @@ class Quantity:
         self.kilo = kilo
         self.rigid = rigid
         self.words = words
+        self.note = note
+        self.provenance = provenance
+        self.place = Place(place) if isinstance(place, str) else place
         self.range = Range(above=above, least=least, below=below, most=most, infinite=infinite)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
@@ -160,6 +173,28 @@ class Quantity:
         if self.shape == "inertia":
             return self._inertia(value)
         return self._numbers(value, 3)
+
+    @property
+    def conversion(self) -> str:
+        """Name the conversion from the field to a number of the core."""
+        by_shape: dict[Shape, str] = {"axes": "per_axis", "inertia": "tensor"}
+        return "degrees" if self.unit == "deg" else by_shape.get(self.shape, "number")
+
+    def numbers(self, value: Any) -> list[float]:
+        """Give a checked value as the numbers that a campaign would draw of it.
+
+        Args:
+            value: as `read` gives it.
+
+        Returns:
+            One number, three of a vector, four of a unit quaternion, six of an inertia: xx, yy, zz, xy, xz, yz.
+        """
+        if self.shape == "inertia":
+            (xx, xy, xz), (_, yy, yz), (_, _, zz) = physics.tensor(value, rigid=self.rigid)
+            return [xx, yy, zz, xy, xz, yz]
+        if self.shape == "quaternion":
+            return physics.unit(value)
+        return [float(element) for element in value] if isinstance(value, tuple | list) else [float(value)]
 
     def _wanted(self) -> str:
         what = _SHAPES.get(self.shape, "a plain number")
@@ -232,4 +267,4 @@ class Quantity:
             "inertia": {"oneOf": [row, {"type": "array", "items": row, "minItems": 3, "maxItems": 3}]},
         }
         shape = {"oneOf": [shapes[self.shape], {"enum": list(self.words)}]} if self.words else shapes[self.shape]
-        return {**shape, "description": self.meaning, "unit": self.unit or "1"}
+        return {**shape, "description": self.meaning + self.note, "unit": self.unit or "1"}

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic.json_schema import GenerateJsonSchema
 
+from detumble.scenario.declarations import declarations
+
 if TYPE_CHECKING:
     from detumble.scenario.section import Section
 
@@ -17,10 +19,10 @@ def schema_of(model: type[Section]) -> dict[str, Any]:
         model: the scenario class.
 
     Returns:
-        A JSON Schema (draft 2020-12).
+        A JSON Schema (draft 2020-12); its key `x-core` says what the core makes of the fields.
     """
     schema = _without_null(model.model_json_schema())
-    return {"$schema": GenerateJsonSchema.schema_dialect, **schema}
+    return {"$schema": GenerateJsonSchema.schema_dialect, **schema, "x-core": declarations()}
 
 
 def _without_null(node: Any) -> Any:

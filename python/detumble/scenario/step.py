@@ -40,11 +40,11 @@ def steps_per_period(scenario: Scenario) -> int:
     Args:
         scenario: what is flown, dispersions included; sound.
     """
-    from detumble.scenario.core import ticks
+    from detumble.scenario import conversions
 
     time = scenario.time
     if isinstance(time.integration_step, float):
-        return max(1, ticks(time.control_period, time.integration_step))
+        return conversions.steps(time.integration_step, time.control_period)
     inertia, rate = worst_body(scenario)
     return steps(
         time.control_period,

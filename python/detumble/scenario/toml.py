@@ -6,8 +6,8 @@ import json
 from typing import TYPE_CHECKING, Any
 
 from detumble.scenario.dispersions.fitting import unit_in
-from detumble.scenario.faults import quantity_of
 from detumble.scenario.laws import Provenance
+from detumble.scenario.reflection import quantity_of
 from detumble.scenario.section import Section
 from detumble.scenario.wording import number
 

@@ -77,7 +77,7 @@ def time_panels(
 def plot_line(axes: Axes, law: str, line: tuple[Array, Array], end: float = math.inf, **changes: Any) -> None:
     """Plot one law's line in its look, up to `end` s; keyword arguments change the look."""
     style = look(law)
-    options = {"color": style.colour, "linestyle": style.dashes, "linewidth": 2.0 if law == "prrl" else 1.5} | changes
+    options = {"color": style.colour, "linestyle": style.dashes, "linewidth": style.width} | changes
     axes.plot(*thinned(*line, end), **options)
 
 
@@ -172,11 +172,10 @@ def law_legend(figure: Figure, flights: Mapping[str, Flight], ends: Mapping[str,
     handles = []
     for law in flights:
         style = look(law)
-        width = 2.0 if law == "prrl" else 1.5
         label = f"{style.label}  {ends[law]}".rstrip()
         handles.append(
             Line2D(
-                [], [], color=style.colour, linestyle=style.dashes, linewidth=width, marker=style.marker,
+                [], [], color=style.colour, linestyle=style.dashes, linewidth=style.width, marker=style.marker,
                 markersize=5.5, markeredgecolor="white", markeredgewidth=0.8, label=label,
             )
         )  # fmt: skip

@@ -11,17 +11,16 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal
 
 from detumble import matplotlib_setup
 from detumble.matplotlib_setup import load_matplotlib
-from detumble.scenario.laws import TITLES
+from detumble.scenario.laws import APPEARANCES
+from detumble.scenario.laws.base import Dashes as Dashes
 from detumble.writing import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-Dashes: TypeAlias = tuple[int, tuple[float, ...]] | Literal["-"]
 
 DPI = 200
 
@@ -35,22 +34,17 @@ class Look:
         colour: hexadecimal.
         dashes: line style as matplotlib takes it.
         marker: where a point stands for it.
+        width: of lines, points.
     """
 
     label: str
     colour: str
     dashes: Dashes
     marker: str
+    width: float = 1.5
 
 
-LOOKS = {
-    "pd": Look(TITLES["pd"], "#000000", (0, (1.2, 1.2)), "s"),
-    "lqr": Look(TITLES["lqr"], "#0072B2", (0, (6.0, 1.8)), "^"),
-    "sosmc": Look(TITLES["sosmc"], "#009E73", (0, (6.0, 1.5, 1.2, 1.5)), "D"),
-    "tsmc": Look(TITLES["tsmc"], "#CC79A7", (0, (3.0, 1.2)), "v"),
-    "prrl": Look(TITLES["prrl"], "#D55E00", "-", "o"),
-    "none": Look(TITLES["none"], "#707070", "-", "P"),
-}
+LOOKS = {name: Look(law.title, law.colour, law.dashes, law.marker, law.width) for name, law in APPEARANCES.items()}
 """By law."""
 
 AXIS_LOOKS = (

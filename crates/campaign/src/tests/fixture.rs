@@ -21,7 +21,7 @@ use detumble_core::plant::motion::Motion;
 use detumble_core::plant::orbit::Orbit;
 use detumble_core::plant::stack::Transition;
 use detumble_core::scene::Common;
-use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::{AtomicBool, AtomicUsize};
 
 pub const LAWS: [&str; 5] = ["pd", "lqr", "sosmc", "tsmc", "prrl"];
 
@@ -87,20 +87,22 @@ impl Campaign {
 
 /// Flight `i` by itself, as one of a fleet whose inertias differ.
 pub fn alone(recipe: &FlightRecipe, i: usize, backend: Backend) -> FlightRecord {
-    let common = Common::new(&recipe.case, &recipe.plan, ["chaser.inertia", "debris.inertia"]);
-    fly_one(recipe, common, SEED, FIRST + i as u64, backend, &crate::UNSTOPPED)
+    let common = Common::new(recipe, ["chaser.inertia", "debris.inertia"]).unwrap();
+    fly_one(recipe, common, SEED, FIRST + i as u64, backend, &UNSTOPPED)
 }
 
+static UNSTOPPED: AtomicBool = AtomicBool::new(false);
+
 pub fn operation(backend: Backend, threads: usize) -> Operation<'static> {
-    static LANDED: AtomicUsize = AtomicUsize::new(0);
+    static COMPLETED: AtomicUsize = AtomicUsize::new(0);
     Operation {
         seed: SEED,
         first_index: FIRST,
         cycle: u64::MAX,
         backend,
         threads,
-        landed: &LANDED,
-        stop: &crate::UNSTOPPED,
+        completed: &COMPLETED,
+        stop: &UNSTOPPED,
     }
 }
 

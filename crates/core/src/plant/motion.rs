@@ -46,3 +46,25 @@ impl<R: Real> Motion<R> {
         (self.debris_attitude, self.debris_rate) = (spin.attitude, spin.rate);
     }
 }
+
+impl Motion<f64> {
+    /// Name and width of each part of the state, in the order of [`Motion::numbers`].
+    pub const PARTS: [(&str, usize); 6] = [
+        ("position", 3),
+        ("velocity", 3),
+        ("chaser_attitude", 4),
+        ("chaser_rate", 3),
+        ("debris_attitude", 4),
+        ("debris_rate", 3),
+    ];
+    /// How many numbers they are.
+    pub const NUMBERS: usize = 20;
+
+    /// The state, number by number.
+    pub fn numbers(&self) -> impl Iterator<Item = f64> + use<> {
+        let translation = self.position.0.into_iter().chain(self.velocity.0);
+        let chaser = self.chaser_attitude.0.into_iter().chain(self.chaser_rate.0);
+        let debris = self.debris_attitude.0.into_iter().chain(self.debris_rate.0);
+        translation.chain(chaser).chain(debris)
+    }
+}

@@ -32,8 +32,8 @@ from detumble.analysis.bounds.tumble import tumble
 from detumble.checking import real
 from detumble.errors import Fault, ScenarioError
 from detumble.quaternions import Array, conjugate, multiply, rotate
+from detumble.scenario.conversions import ticks
 from detumble.scenario.core import case as core_case
-from detumble.scenario.core import ticks
 from detumble.scenario.files import given
 from detumble.scenario.model import Scenario
 

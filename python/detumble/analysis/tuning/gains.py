@@ -3,17 +3,18 @@
 A coordinate x in [0, 1] of the search stands for a gain g between the ends of its range, which are natural scales of the channel
 (`detumble.scenario.laws.Natural`) times the gain's span:
 
-    g = low (high / low)^x             gains: log-uniform
-    g = low + (high - low) x           alpha of PRRL, exponent of TSMC
+    g = low (high / low)^x             gains with a natural scale: log-uniform
+    g = low + (high - low) x           gains without: alpha of PRRL, the exponent of TSMC
 
 A channel is measured by the acceleration a that its weakest axis gives, a length ℓ and an inertia m. Before capture ℓ is the
 distance of the nominal start from the goal, at least the capture distance; for the stack's own set it is the capture distance;
-in rotation it is 1. m is the mass, or the largest moment of inertia, of what flies. LQR's r stays: only ratios of weights act.
+in rotation it is 1. m is the mass, or the largest moment of inertia, of what flies. A gain without a span (LQR's r) stays.
 
-The exponent is snapped to the nearest fraction of odd numbers up to 21, so that what is flown is what a file can say.
+A fraction of odd numbers (TSMC's p/q) is searched under the name that it has in the core, and snapped to the nearest fraction of
+odd numbers up to 21, so that what is flown is what a file can say.
 
 A gain is one number for all axes. Scenario paths here are those within the law's table: `translation.kp`, `stack.rotation.kd`,
-`alpha`, and `translation.exponent` for TSMC's p/q.
+`alpha`, `translation.exponent`.
 """
 
 from __future__ import annotations
@@ -27,23 +28,19 @@ from numpy.typing import NDArray
 
 from detumble.checking import choice
 from detumble.errors import RequestError
-from detumble.scenario.core import axes, case, design
-from detumble.scenario.faults import quantity_of, section_at, section_of
-from detumble.scenario.laws import EXPONENTS, LAWS, Gain, Natural, Prrl, Scale, Span, TsmcExponents
-from detumble.scenario.model import Scenario
-from detumble.scenario.physics import tensor
+from detumble.scenario.core import case, design
+from detumble.scenario.laws import CHANNELS, FORMS, LAWS, REGISTER, Natural
+from detumble.scenario.laws.base import gains_of_section
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
-    from detumble.scenario.laws import Form
+    from detumble.scenario.laws import Form, Gain, Law
+    from detumble.scenario.laws.base import OddFraction, Scale, Span
+    from detumble.scenario.model import Scenario
 
 Array = NDArray[np.float64]
-CHANNELS = ("translation", "rotation")
-EXPONENT = "exponent"
-_MOST = 21
-"""Of numerator and denominator of an exponent."""
-_ODD_PAIRS = [(p, q) for q in range(1, _MOST + 1, 2) for p in range(1, _MOST + 1, 2) if math.gcd(p, q) == 1]
+STACK_CHANNELS = tuple(f"stack.{channel}" for channel in CHANNELS)
 
 
 @dataclass(frozen=True)
@@ -56,6 +53,7 @@ class Tunable:
         meaning: one phrase.
         scale: its natural scale; None where the range is one of plain numbers.
         span: ends of the range, in natural scales.
+        fraction: how a file writes it, where that is a fraction of odd numbers; None for a plain number.
     """
 
     path: str
@@ -63,10 +61,11 @@ class Tunable:
     meaning: str
     scale: Scale | None
     span: Span
+    fraction: OddFraction | None = None
 
     @property
     def channel(self) -> str:
-        """`translation`, `rotation`, `stack.translation`, `stack.rotation`; empty for alpha, which all of them share."""
+        """`translation`, `rotation`, `stack.translation`, `stack.rotation`; empty for a gain that these share."""
         return self.path.rpartition(".")[0]
 
     def range(self, natural: Natural | None) -> Span:
@@ -77,7 +76,8 @@ class Tunable:
     def value(self, x: float, natural: Natural | None) -> float:
         """Give the gain at a coordinate in [0, 1]."""
         low, high = self.range(natural)
-        return low * (high / low) ** x if self.scale else low + (high - low) * x
+        plain = low * (high / low) ** x if self.scale else low + (high - low) * x
+        return float(plain) if self.fraction is None else _quotient(self.fraction.nearest(plain))
 
     def coordinate(self, value: float, natural: Natural | None) -> float:
         """Undo `value`; outside of the range it gives its nearer end."""
@@ -85,71 +85,84 @@ class Tunable:
         inside = min(max(value, low), high)
         return math.log(inside / low) / math.log(high / low) if self.scale else (inside - low) / (high - low)
 
+    def fields(self, value: float) -> dict[str, float]:
+        """Give the fields that a file says the gain by, by path within the law's table, and their values."""
+        if self.fraction is None:
+            return {self.path: value}
+        named = zip(self.fraction.fields, self.fraction.nearest(value), strict=True)
+        return {f"{self.channel}.{name}": number for name, number in named}
+
+    def own(self, law: Law[Any, Any]) -> float:
+        """Give the gain of a law; of one that differs from axis to axis the geometric mean."""
+        if self.fraction is not None:
+            return _quotient(self.fraction.of(law.at(self.channel)))
+        value = law.at(self.path)
+        return value if isinstance(value, float) else float(np.prod(value)) ** (1.0 / 3.0)
+
+
+def _quotient(fraction: tuple[int, int]) -> float:
+    return fraction[0] / fraction[1]
+
+
+def _tunable(path: str, gain: Gain) -> Iterator[Tunable]:
+    if gain.span is not None:
+        yield Tunable(path, gain.unit, gain.meaning, gain.scale, gain.span)
+
 
 def gains_of(
-    law: str, form: Form = "printed", stack: Sequence[str] = (), powers: Sequence[str] = ()
+    law: str, form: Form | None = None, stack: Sequence[str] = (), own: Sequence[str] = ()
 ) -> tuple[Tunable, ...]:
     """Name the gains of a law that can be searched for.
 
     Args:
         law: one of `LAWS`.
-        form: decides the range of TSMC's exponent.
+        form: decides the range of a fraction; None is `printed`.
         stack: channels of which the stack has a set of its own.
-        powers: channels of PRRL with an alpha of their own, `rotation`, `stack.rotation`; the others share one.
+        own: gains that channels have of their own where they could share the law's: `rotation.alpha`, `stack.rotation.alpha`.
 
     Raises:
         RequestError: there is no such law.
     """
-    section = section_at(Scenario, ("laws", choice("law", law, LAWS)))
-    assert section is not None
-    paths = (*CHANNELS, *(f"stack.{channel}" for channel in CHANNELS if channel in stack))
-    shared = [""] if section is Prrl and not set(paths) <= set(powers) else []
-    found = [
-        Tunable(f"{path}.alpha".lstrip("."), "", "power of the reaching law", None, Prrl.searched)
-        for path in (*shared, *(path for path in paths if path in powers))
-    ]
-    for path in paths:
-        channel = section_of(section.model_fields[path.removeprefix("stack.")].annotation)
-        assert channel is not None
-        for name, field in channel.model_fields.items():
-            quantity = quantity_of(field)
-            if isinstance(quantity, Gain):
-                found.append(Tunable(f"{path}.{name}", quantity.unit, quantity.meaning, quantity.scale, quantity.span))
-        if issubclass(channel, TsmcExponents):
-            found.append(Tunable(f"{path}.{EXPONENT}", "", "p/q of the terminal surface", None, EXPONENTS[form]))
+    section = REGISTER[choice("law", law, LAWS)]
+    channels = (*CHANNELS, *(f"stack.{channel}" for channel in CHANNELS if channel in stack))
+    shared = gains_of_section(section)
+    found: list[Tunable] = []
+    for name, gain in shared.items():
+        places = [f"{channel}.{name}" for channel in channels]
+        if not set(places) <= set(own):
+            found += _tunable(name, gain)
+        for place in places:
+            found += _tunable(place, gain) if place in own else ()
+    for channel in channels:
+        declared = section.channel(channel)
+        for name, gain in declared.gains().items():
+            found += _tunable(f"{channel}.{name}", gain) if name not in shared else ()
+        for by_form in declared.by_form:
+            fraction = by_form.fractions[form or FORMS[0]]
+            path = f"{channel}.{by_form.name}"
+            found.append(Tunable(path, "", by_form.meaning, None, fraction.span, fraction))
     return tuple(found)
 
 
 def gains_in(law: str, table: Mapping[str, Any]) -> tuple[Tunable, ...]:
-    """Name the gains of a law as a scenario has them: its form, its sets, its powers.
+    """Name the gains of a law as a scenario has them: its form, its sets, what its channels have of their own.
 
     Args:
         law: one of `LAWS`.
         table: of the law, as its file has it.
     """
     stack: Mapping[str, Any] = table.get("stack", {})
-    own = {
-        **{channel: table[channel] for channel in CHANNELS},
-        **{f"stack.{channel}": stack[channel] for channel in stack},
-    }
-    powers = [path for path, gains in own.items() if "alpha" in gains] if law == "prrl" else []
-    return gains_of(law, table["form"], tuple(stack), powers)
+    channels = {channel: table[channel] for channel in CHANNELS} | {f"stack.{name}": stack[name] for name in stack}
+    own = [f"{channel}.{name}" for channel, gains in channels.items() for name in gains]
+    return gains_of(law, table.get("form"), tuple(stack), own)
 
 
-def odd_fraction(exponent: float, form: Form) -> tuple[int, int]:
-    """Give the fraction p/q of odd numbers up to 21, on the form's side of 1, that is nearest to an exponent."""
-    low, high = EXPONENTS[form]
-    allowed = [(p, q) for p, q in _ODD_PAIRS if p != q and low * q - 1e-9 <= p <= high * q + 1e-9]
-    return min(allowed, key=lambda pair: (abs(pair[0] / pair[1] - exponent), pair[1]))
-
-
-def natural_of(scenario: Scenario, channel: str, r: float = 1.0) -> Natural:
-    """Give what the gains of a channel are measured by; see above.
+def natural_of(scenario: Scenario, channel: str) -> Natural:
+    """Give what the gains of a channel are measured by, but for gains that scales depend on; see above.
 
     Args:
         scenario: nominal.
         channel: `translation`, `rotation`, `stack.translation` or `stack.rotation`.
-        r: weight of LQR's input.
 
     Raises:
         RequestError: the channel has no limit on any axis.
@@ -159,12 +172,12 @@ def natural_of(scenario: Scenario, channel: str, r: float = 1.0) -> Natural:
     weakest = float(_limits(scenario, kind).min())
     body = "stack" if after else "chaser"
     if kind == "torque":
-        inertia = design(f"{body}_inertia", scenario.at) if after else tensor(scenario.chaser.inertia)
+        inertia = design(f"belief.{body}_inertia", scenario.at)
         moment = float(np.linalg.eigvalsh(np.array(inertia)).max())
-        return Natural(moment, weakest / moment, 1.0, r)
-    mass = design(f"{body}_mass", scenario.at)
+        return Natural(moment, weakest / moment, 1.0)
+    mass = design(f"belief.{body}_mass", scenario.at)
     length = scenario.capture.distance if after else max(_distance(scenario), scenario.capture.distance)
-    return Natural(mass, weakest / mass, length, r)
+    return Natural(mass, weakest / mass, length)
 
 
 def mean_acceleration(scenario: Scenario) -> float:
@@ -173,14 +186,14 @@ def mean_acceleration(scenario: Scenario) -> float:
     Raises:
         RequestError: force is limited on no axis.
     """
-    mass: float = design("chaser_mass", scenario.at)
+    mass: float = design("belief.chaser_mass", scenario.at)
     return float(_limits(scenario, "force").mean()) / mass
 
 
 def _limits(scenario: Scenario, kind: Literal["force", "torque"]) -> Array:
     """What the actuators give on each axis, (3,); an infinite limit counts as the largest finite one."""
-    actuators = scenario.actuators
-    limits = np.multiply(axes(getattr(actuators, f"{kind}_limit")), axes(getattr(actuators, f"{kind}_gain")))
+    limit, gain = (getattr(scenario.actuators, f"{kind}_{what}") for what in ("limit", "gain"))
+    limits: Array = np.ones(3) * limit * gain
     finite = limits[np.isfinite(limits)]
     if not finite.size:
         raise RequestError(

@@ -14,12 +14,14 @@ from detumble.checking import real, seed_number, whole
 from detumble.compiled import check_gains
 from detumble.scenario.core import case
 from detumble.scenario.faults import validated
+from detumble.scenario.laws import form_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from detumble.analysis.tuning.objective import Objective
     from detumble.analysis.tuning.space import Space
+    from detumble.scenario.laws import Form
     from detumble.scenario.model import Scenario
 
 
@@ -86,10 +88,9 @@ class Setting:
         return self.objectives[0]
 
     @property
-    def form(self) -> str:
-        """Form of the law, `printed` or `corrected`."""
-        form: str = getattr(self.space.base.laws, self.space.law).form
-        return form
+    def form(self) -> Form | None:
+        """Form of the law; None for a law that has only one."""
+        return form_of(getattr(self.space.base.laws, self.space.law))
 
     def scenario(
         self, gains: Mapping[str, float], success: float, reached: Mapping[str, float], what: str = ""

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from detumble.analysis.tuning.gains import CHANNELS, EXPONENT, Tunable, gains_in, gains_of, natural_of, odd_fraction
+from detumble.analysis.tuning.gains import STACK_CHANNELS, Tunable, gains_in, gains_of, natural_of
 from detumble.campaigns.runs.overlay import overlay
 from detumble.checking import choice, flag, instance, real
 from detumble.errors import RequestError
 from detumble.scenario.faults import validated
-from detumble.scenario.laws import EXPONENTS, LAWS, Prrl, Tsmc
+from detumble.scenario.laws import CHANNELS, LAWS, REGISTER, checked_form
 from detumble.text import did_you_mean
 
 if TYPE_CHECKING:
@@ -50,9 +50,7 @@ def space_of(
             infinite.
         ScenarioError: a held value is none that the gain can have.
     """
-    if form is not None:
-        choice("form", form, EXPONENTS)
-    choice("law", law, LAWS)
+    form = checked_form(choice("law", law, LAWS), form)
     if stack is not None:
         stack = flag("stack", stack)
     if fixed is not None:
@@ -60,27 +58,28 @@ def space_of(
     raw = copy.deepcopy(scenario.to_dict())
     laws = raw.setdefault("laws", {})
     if law not in laws:
-        laws[law] = _middle(raw, law, form or "printed")
+        laws[law] = _middle(raw, law, form)
     table = laws[law]
     table.pop("tuned", None)
-    table["form"] = form or table["form"]
+    if form is not None:
+        table["form"] = form
     if stack is False:
         table.pop("stack", None)
     elif stack:
         own = table.setdefault("stack", {})
         for channel in CHANNELS:
             own.setdefault(channel, dict(table[channel]))
-    tunables = gains_in(law, table)
-    known = [tunable.path for tunable in tunables]
+    tunables = {tunable.path: tunable for tunable in gains_in(law, table)}
     for path, value in (fixed or {}).items():
         instance("fixed", path, str, "a dict of gains by path")
-        if path not in known:
-            raise RequestError(f"{path}: is no gain of {law}{did_you_mean(path, known)}; there are {', '.join(known)}")
+        if path not in tunables:
+            there = ", ".join(tunables)
+            raise RequestError(f"{path}: is no gain of {law}{did_you_mean(path, tunables)}; there are {there}")
         if value is not None:
             held = real(path, value)
-            _check_held(law, path, held, table["form"])
-            put(table, path, held)
-    searched = tuple(tunable for tunable in tunables if tunable.path not in (fixed or {}))
+            _check_held(law, tunables[path], held, table.get("form"))
+            put(table, tunables[path], held)
+    searched = tuple(tunable for path, tunable in tunables.items() if path not in (fixed or {}))
     if not searched:
         raise RequestError(f"{law}: every gain is held; nothing is left to search for")
     for number, dispersion in enumerate(scenario.dispersions):
@@ -91,26 +90,29 @@ def space_of(
     return Space(validated(raw, scenario.title), law, searched)
 
 
-def _check_held(law: str, path: str, value: float, form: Form) -> None:
-    """Make sure that an exponent is one that the form can have: a scenario checks all other gains, but no p/q.
+def _check_held(law: str, tunable: Tunable, value: float, form: Form | None) -> None:
+    """Make sure that a fraction is one that the form can have: a scenario checks all other gains, but not those.
 
     Raises:
         RequestError: it is not.
     """
-    if not path.endswith(EXPONENT):
-        return
-    low, high = EXPONENTS[form]
-    if not (low <= value <= high and value != 1.0):
-        raise RequestError(f"{path} {value!r}: the {form} form of {law} takes {low:.4g} to {high:.4g}, 1 excluded")
+    if tunable.fraction is not None and not tunable.fraction.takes(value):
+        low, high = tunable.fraction.span
+        raise RequestError(
+            f"{tunable.path} {value!r}: the {form} form of {law} takes {low:.4g} to {high:.4g}, 1 excluded"
+        )
 
 
-def _middle(raw: dict[str, Any], law: str, form: Form) -> dict[str, Any]:
+def _middle(raw: dict[str, Any], law: str, form: Form | None) -> dict[str, Any]:
     """Give the table of a law that the scenario has no gains for."""
     tunables = gains_of(law, form)
-    anything: dict[str, Any] = {"form": form, **{channel: {"r": 1.0} if law == "lqr" else {} for channel in CHANNELS}}
+    anything: dict[str, Any] = {"form": form} if form else {}
+    for channel in CHANNELS:
+        gains = REGISTER[law].channel(channel).gains()
+        anything[channel] = {name: 1.0 for name, gain in gains.items() if gain.span is None}
     for tunable in tunables:
-        if not tunable.path.endswith(EXPONENT):
-            put(anything, tunable.path, 0.5)
+        if tunable.fraction is None:  # a fraction has its default
+            put(anything, tunable, 0.5)
     begun = validated(raw | {"laws": raw["laws"] | {law: anything}}, str(raw["title"]))
     space = Space(begun, law, tunables)
     table: dict[str, Any] = space.scenario(space.values([0.5] * len(tunables))).to_dict()["laws"][law]
@@ -133,33 +135,37 @@ class Space:
 
     @cached_property
     def naturals(self) -> dict[str, Natural]:
-        """What each channel is measured by, but for the power."""
-        gains = self._law
-
-        def r_of(channel: str) -> float:
-            return float(getattr(gains.at(channel), "r", 1.0))
-
+        """What each channel is measured by, but for gains that scales depend on."""
         channels = {tunable.channel for tunable in self.tunables} - {""}
-        return {channel: natural_of(self.base, channel, r_of(channel)) for channel in sorted(channels)}
+        return {channel: natural_of(self.base, channel) for channel in sorted(channels)}
 
     @property
     def _law(self) -> Law[Any, Any]:
         law: Law[Any, Any] = getattr(self.base.laws, self.law)
         return law
 
+    @cached_property
+    def _unscaled(self) -> dict[str, float]:
+        """The scenario's own gains without a scale, those not searched for too, by path."""
+        law = self._law
+        tunables = gains_in(self.law, law.model_dump(exclude_none=True))
+        found = {tunable.path: tunable.own(law) for tunable in tunables if tunable.scale is None}
+        for channel in (*CHANNELS, *STACK_CHANNELS):
+            own = law.at(channel)
+            fixed = [name for name, gain in own.gains().items() if gain.span is None] if own else []
+            found |= {f"{channel}.{name}": getattr(own, name) for name in fixed}
+        return found
+
     def natural(self, tunable: Tunable, chosen: Mapping[str, float]) -> Natural | None:
-        """Give what a gain is measured by, among the powers that have been chosen."""
+        """Give what a gain is measured by, among the gains without a scale that have been chosen."""
         if not tunable.channel:
             return None
-        plain = self.naturals[tunable.channel]
-        return replace(plain, power=self._power(tunable.channel, chosen))
-
-    def _power(self, channel: str, chosen: Mapping[str, float]) -> float:
-        law = self._law
-        if isinstance(law, Prrl):
-            own = f"{channel}.alpha" if law.at(channel).alpha is not None else "alpha"
-            return chosen.get(own, law.power(channel))
-        return chosen.get(f"{channel}.{EXPONENT}", exponent_of(law, channel)) if isinstance(law, Tsmc) else 1.0
+        gains = {}
+        for path, own in self._unscaled.items():  # what the channels share comes first, a channel's own takes its place
+            channel, _, name = path.rpartition(".")
+            if channel in ("", tunable.channel):
+                gains[name] = chosen.get(path, own)
+        return replace(self.naturals[tunable.channel], gains=gains)
 
     def values(self, point: Sequence[float]) -> dict[str, float]:
         """Give the gains at a point of the unit cube, by path.
@@ -169,15 +175,11 @@ class Space:
                 do not depend on how many are looked at together.
         """
         chosen: dict[str, float] = {}
-        # powers first: natural scales depend on them
+        # those without a scale first: the scales of others depend on them
         order = sorted(range(len(self.tunables)), key=lambda place: self.tunables[place].scale is not None)
         for place in order:
             tunable = self.tunables[place]
-            value = tunable.value(float(point[place]), self.natural(tunable, chosen))
-            if tunable.path.endswith(EXPONENT):
-                p, q = odd_fraction(value, self._law.form)
-                value = p / q
-            chosen[tunable.path] = value
+            chosen[tunable.path] = tunable.value(float(point[place]), self.natural(tunable, chosen))
         return {tunable.path: chosen[tunable.path] for tunable in self.tunables}
 
     def point(self, values: Mapping[str, float]) -> Array:
@@ -189,47 +191,32 @@ class Space:
     @cached_property
     def own(self) -> dict[str, float]:
         """The scenario's own gains by path; of one that differs from axis to axis the geometric mean."""
-        return {tunable.path: _mean(self._law, tunable.path) for tunable in self.tunables}
+        return {tunable.path: tunable.own(self._law) for tunable in self.tunables}
 
     def columns(self, points: Array) -> dict[str, Array]:
         """Give the gains at points (k, n) of the unit cube as the core takes them: by path, (k, width)."""
-        chosen = [self.values(point) for point in points]
-        named = {f"laws.{self.law}.{path}": np.array([each[path] for each in chosen]) for path in self.own}
-        widened = overlay(self.base, self.law, named)
-        return {
-            path: np.ascontiguousarray(column[:, :1]) if path.endswith(EXPONENT) else column
-            for path, column in widened.items()
-        }
+        drawn: dict[str, list[float]] = {}
+        for point in points:
+            chosen = self.values(point)
+            for tunable in self.tunables:
+                for path, value in tunable.fields(chosen[tunable.path]).items():
+                    drawn.setdefault(f"laws.{self.law}.{path}", []).append(value)
+        return overlay(self.base, self.law, {path: np.array(values, float) for path, values in drawn.items()})
 
     def scenario(self, values: Mapping[str, float]) -> Scenario:
         """Give the scenario with other gains, everything else untouched."""
         raw = self.base.to_dict()
-        for path, value in values.items():
-            put(raw["laws"][self.law], path, value)
+        for tunable in self.tunables:
+            if tunable.path in values:
+                put(raw["laws"][self.law], tunable, values[tunable.path])
         return validated(raw, self.base.title)
 
 
-def exponent_of(law: Law[Any, Any], channel: str) -> float:
-    """Give the terminal exponent p/q of a channel that the law's form flies."""
-    p, q = law.at(channel).exponent(law.form)
-    return float(p) / float(q)
-
-
-def put(table: dict[str, Any], path: str, value: float) -> None:
+def put(table: dict[str, Any], tunable: Tunable, value: float) -> None:
     """Set a gain in the plain table of a law, as its file has it."""
-    *steps, name = path.split(".")
-    channel = table
-    for step in steps:
-        channel = channel[step]
-    if name == EXPONENT:
-        ending = "" if table["form"] == "printed" else "_corrected"
-        channel[f"p{ending}"], channel[f"q{ending}"] = odd_fraction(value, table["form"])
-    else:
-        channel[name] = value
-
-
-def _mean(law: Law[Any, Any], path: str) -> float:
-    if path.endswith(EXPONENT):
-        return exponent_of(law, path.rpartition(".")[0])
-    value = law.at(path)
-    return value if isinstance(value, float) else float(np.prod(value)) ** (1.0 / 3.0)
+    for path, number in tunable.fields(value).items():
+        *steps, name = path.split(".")
+        inner = table
+        for step in steps:
+            inner = inner[step]
+        inner[name] = number

@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from detumble.compiled import core
-from detumble.scenario.core import BELIEFS, design
+from detumble.scenario.core import design
 from detumble.scenario.dispersions.fitting import members, resolved
 from detumble.scenario.faults import validated
+from detumble.scenario.rules import active
 from detumble.scenario.step import integration_step
+from detumble.scenario.tables import body_rules
 
 if TYPE_CHECKING:
     from detumble.scenario.model import Scenario
@@ -80,18 +82,20 @@ def drawn_scenario(scenario: Scenario, seed: int, index: int) -> Scenario:
     del raw["dispersions"], raw["correlations"]
     if scenario.time.integration_step == "auto":
         raw["time"]["integration_step"] = integration_step(scenario)
-    for name in BELIEFS:
-        bodies, what = ("chaser",) if name.startswith("chaser") else ("chaser", "debris"), name.rpartition("_")[2]
-        told = name.startswith("stack") and scenario.belief.stack == "true"
-        if not told and name not in raw["belief"] and any(f"{body}.{what}" in drawn for body in bodies):
-            raw["belief"][name] = design(name, scenario.at)
+    for rules in body_rules().values():
+        own, rule = rules[0], active(rules, scenario.at)
+        if rule.design and own.permitted(scenario.at) and not drawn.keys().isdisjoint(rule.of):
+            _put(raw, own.of[0], design(own.of[0], scenario.at))
     for path, values in drawn.items():
-        *tables, name = path.split(".")
-        table = raw
-        for step in tables:
-            table = table[step]
-        table[name] = _value(values[0])
+        _put(raw, path, _value(values[0]))
     return validated(raw, f"{scenario.title}, run {index}")
+
+
+def _put(raw: dict[str, Any], path: str, value: Any) -> None:
+    *tables, name = path.split(".")
+    for table in tables:
+        raw = raw[table]
+    raw[name] = value
 
 
 def _value(row: Any) -> Any:

@@ -71,7 +71,16 @@ def fly_runs(
     drawn = draw(scenario, recipe.seed, first, count)
     differing = overlay(scenario, recipe.law, drawn)
     try:
-        flown = core().fly_many(nominal, differing, count, recipe.seed, first, threads, backend, False, progress)
+        flown = core().fly_many(
+            nominal,
+            differing,
+            count,
+            seed=recipe.seed,
+            first_index=first,
+            threads=threads,
+            backend=backend,
+            progress=progress,
+        )
     except ValueError as error:
         raise ScenarioError(scenario.title, problem=str(error)) from None
 
@@ -80,7 +89,7 @@ def fly_runs(
     columns[SUCCEEDED.name] = flown["failure"] == SUCCESS
     columns[FAILURE.name] = _CAUSES[flown["failure"]].tolist()
     columns[END_TIME.name] = flown["end_time"]
-    columns |= {metric.key: flown[metric.source] for metric in SCALARS}
+    columns |= {metric.key: flown[metric.name] for metric in SCALARS}
     return Flown(columns, flown["ticks"], flown["lane_ticks"])
 
 

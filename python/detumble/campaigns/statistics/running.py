@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 TIMES = ("capture_time_s", "settling_time_s", "settled_time_s")
 """Counted exactly. `settled_time_s` is the sum of the first two: from the start of the flight to the stack at rest."""
-EXTENTS = tuple(metric.key for metric in SCALARS if metric.unit != "s" and not metric.whole)
+EXTENTS = tuple(metric.key for metric in SCALARS if metric.unit != "s" and metric.kind != "whole")
 """All that is neither a time nor a tick, counted to a relative accuracy of 1e-4."""
 SATURATED = ("force_saturated_share", "torque_saturated_share")
 

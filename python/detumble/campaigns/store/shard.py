@@ -19,8 +19,8 @@ import polars as pl
 
 from detumble.campaigns.columns import FAILURE, INDEX, RESULTS, Column
 from detumble.failures import CAUSES
-from detumble.scenario.faults import quantity_of, section_at
 from detumble.scenario.model import Scenario
+from detumble.scenario.reflection import quantity_of, section_at
 from detumble.surroundings import check_polars
 from detumble.writing import reason
 

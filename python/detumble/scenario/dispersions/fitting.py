@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import cache
 from typing import Any
 
 from detumble.errors import Fault
-from detumble.scenario.core import design
 from detumble.scenario.dispersions.base import Dispersion, Misfit, Parameter, Target, Tree
 from detumble.scenario.dispersions.correlation import Correlation
 from detumble.scenario.dispersions.numbers import Elementwise
-from detumble.scenario.faults import Unread, quantity_of, section_at, section_of
+from detumble.scenario.faults import Unread
+from detumble.scenario.plan import PLAN
 from detumble.scenario.quantity import Quantity
+from detumble.scenario.reflection import quantity_of, section_at
+from detumble.scenario.rules import At, active
 from detumble.scenario.section import Section
+from detumble.scenario.tables import quantities, readers
 from detumble.scenario.wording import pretty, shown
 from detumble.text import did_you_mean
-
-At = Callable[[str], Any]
-"""Gives the value of a field by its path, None where it is absent; Unread where the file's value is at fault."""
 
 FITTING = {
     "number": "normal, truncated_normal, uniform or log_uniform",
@@ -27,29 +27,14 @@ FITTING = {
     "quaternion": "attitude",
     "inertia": "inertia",
 }
-_FIXED = ("time.", "capture.dwell.", "campaign.", "laws.none.")
+_FIXED = frozenset(path for rules in PLAN.values() for rule in rules for path in rule.of)
 
 
 @cache
 def fields() -> dict[str, Quantity]:
     """Name all fields that can be dispersed: numbers that may differ from run to run."""
-    from detumble.scenario.model import Scenario
-
-    found: dict[str, Quantity] = {}
-    _collect(Scenario, "", found)
-    return found
-
-
-def _collect(section: type[Section], path: str, found: dict[str, Quantity]) -> None:
-    for name, field in section.model_fields.items():
-        dotted = path + name
-        quantity, inner = quantity_of(field), section_of(field.annotation)
-        if f"{dotted}.".startswith(_FIXED):
-            continue
-        if quantity is not None and quantity.shape in FITTING:
-            found[dotted] = quantity
-        elif inner is not None:
-            _collect(inner, dotted + ".", found)
+    read = readers()
+    return {path: quantity for path, quantity in quantities().items() if path in read and quantity.shape in FITTING}
 
 
 def target(path: str, at: At) -> Target:
@@ -68,35 +53,49 @@ def target(path: str, at: At) -> Target:
     quantity = fields().get(path)
     if quantity is None:
         raise Misfit("field", _not_dispersible(path))
-    section, _, name = path.rpartition(".")
-    if section == "belief" and name.startswith("stack_") and at("belief.stack") == "true":
-        raise Misfit("field", 'needs belief.stack = "design"; a law that is told the truth has no belief')
-    if path == "orbit.earth_radius" and at("orbit.radius") is not None:
-        raise Misfit("field", "does nothing beside orbit.radius; disperse that")
-    if path == "laws.prrl.alpha" and not _shares_alpha(at):
-        raise Misfit("field", "does nothing: every channel has an alpha of its own; disperse those")
+    _check_conditions(path, at)
     nominal = at(path)
-    if nominal is None and section == "belief":
-        nominal = design(name, at)
     if nominal is None:
+        from detumble.scenario.core import design
+
+        nominal = design(path, at)
+    if nominal is None:
+        section, _, name = path.rpartition(".")
         owner = section_at(Scenario, tuple(section.split(".")))
         rivals = "".join(f" or disperse {section}.{other}" for other in (owner.rivals(name) if owner else ()))
         raise Misfit("field", f"is not given here; give it a value{rivals}")
+    _check_read(path, at)
     return Target(path, quantity, nominal)
 
 
-def _shares_alpha(at: At) -> bool:
-    """Tell whether a channel of PRRL-SMC flies the alpha of the law."""
-    channels = [f"laws.prrl.{channel}" for channel in ("translation", "rotation")]
-    stacks = [f"laws.prrl.stack.{channel}" for channel in ("translation", "rotation")]
-    flown = [*channels, *(stack for stack in stacks if at(stack) is not None)]
-    return any(at(f"{channel}.alpha") is None for channel in flown)
+def _check_conditions(path: str, at: At) -> None:
+    """Make sure that a rule which reads the field may apply, were the field given."""
+    conditions = [rule.when for rules in readers()[path] for rule in rules if path in rule.of]
+    unmet = [[(field, value) for field, value in when if at(field) != value] for when in conditions]
+    if all(unmet):
+        field, value = unmet[0][0]
+        raise Misfit("field", f"needs {field} = {shown(value)}; nothing reads it otherwise")
+
+
+def _check_read(path: str, at: At) -> None:
+    """Make sure that a number of the core depends on the field: another may stand in its place."""
+
+    def given(field: str) -> Any:
+        return True if field == path else at(field)
+
+    made_by = (active(rules, given).of for rules in readers()[path])
+    if not any(path in of for of in made_by):
+        beside = {field for rules in readers()[path] for rule in rules if path in rule.of for field in rule.of}
+        of = dict.fromkeys(field for rules in readers()[path] for field in active(rules, given).of)
+        raise Misfit(
+            "field", f"does nothing here; disperse {' or '.join(field for field in of if field not in beside)}"
+        )
 
 
 def _not_dispersible(path: str) -> str:
     from detumble.scenario.model import Scenario
 
-    if f"{path}.".startswith(_FIXED):
+    if path in _FIXED & quantities().keys() or path.startswith("laws.none."):
         return "is the same in every run, as all clocks and open-loop segments are"
     steps = tuple(path.split("."))
     owner = section_at(Scenario, steps[:-1])

@@ -14,11 +14,10 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-DASHES: dict[str, tuple[Dashes, ...]] = {
-    "printed": ("-", (0, (7.0, 1.5, 1.0, 1.5)), (0, (7.0, 1.5, 1.0, 1.5, 1.0, 1.5))),
-    "corrected": ((0, (4.0, 1.6)), (0, (1.2, 1.2)), (0, (4.0, 1.4, 1.2, 1.4))),
-}
-"""By form: of the first entry of a law, the second, and all others."""
+DASHES: tuple[Dashes, ...] = ("-", (0, (7.0, 1.5, 1.0, 1.5)), (0, (7.0, 1.5, 1.0, 1.5, 1.0, 1.5)))
+"""Of the first entry of a law, the second, and all others."""
+CORRECTED_DASHES: tuple[Dashes, ...] = ((0, (4.0, 1.6)), (0, (1.2, 1.2)), (0, (4.0, 1.4, 1.2, 1.4)))
+"""Likewise, of its corrected form."""
 NAME = 26
 """Most characters of the name of an entry; five columns of a legend fit the name of a law and its form."""
 _ROW = 0.2
@@ -32,9 +31,9 @@ class EntryLook:
     Attributes:
         label: its name, shortened.
         colour: of its law.
-        dashes: solid as printed, broken as corrected.
+        dashes: broken as corrected, else solid.
         marker: of its law.
-        fill: of the marker: the colour as printed, white as corrected.
+        fill: of the marker: white as corrected, else the colour.
     """
 
     label: str
@@ -54,18 +53,19 @@ class EntryLook:
         return {"marker": self.marker, "markerfacecolor": self.fill, "markeredgecolor": self.colour, "markersize": 5.0}
 
 
-def looks_of(entries: Sequence[tuple[str, str, str]]) -> list[EntryLook]:
+def looks_of(entries: Sequence[tuple[str, str, str | None]]) -> list[EntryLook]:
     """Give the look of every entry, by place.
 
     Args:
         entries: name, law and form of each; entries of one law and form differ by their dashes, in this order.
     """
-    met: dict[tuple[str, str], int] = {}
+    met: dict[tuple[str, str | None], int] = {}
     found = []
     for name, law, form in entries:
         index = met[law, form] = met.get((law, form), -1) + 1
-        style, dashes = look(law), DASHES[form]
-        fill = style.colour if form == "printed" else "white"
+        style, corrected = look(law), form == "corrected"
+        dashes = CORRECTED_DASHES if corrected else DASHES
+        fill = "white" if corrected else style.colour
         label = shortened(name, NAME)
         found.append(EntryLook(label, style.colour, dashes[min(index, len(dashes) - 1)], style.marker, fill))
     return found
