@@ -11,6 +11,7 @@ use crate::hardware::actuators::Limits;
 use crate::hardware::sensors::NoiseSigmas;
 use crate::plan::Plan;
 use crate::plant::body::Body;
+use crate::plant::disturbances::Disturbances;
 use crate::plant::motion::Motion;
 use crate::plant::orbit::Orbit;
 
@@ -34,6 +35,8 @@ case_struct! {
         pub settled: SettledThresholds<R>,
         /// What the actuators can give.
         pub actuators: Limits<R>,
+        /// What disturbs the bodies.
+        pub disturbances: Disturbances<R>,
         /// Standard deviations of the sensor noise.
         pub sensors: NoiseSigmas<R>,
         /// What the laws believe of the spacecraft they fly.

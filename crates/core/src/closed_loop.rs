@@ -17,12 +17,13 @@ use crate::observer::{Observer, Tick};
 use crate::part::Part;
 use crate::plan::Plan;
 use crate::plant::body::Vehicle;
+use crate::plant::disturbed::{Disturbed, Joint};
 use crate::plant::lvlh::Lvlh;
 use crate::plant::motion::Motion;
 use crate::plant::propagate::{Period, propagate};
 use crate::plant::stack::{Transition, merge_approximate, merge_conserving};
 use crate::plant::wrench::{Wrench, WrenchFrame};
-use crate::scene::{Scene, no_gains};
+use crate::scene::{Numbers, Scene, no_gains};
 
 /// What happens at one control tick of every lane, up to the wrench that is then held; and whose flight is over here.
 #[inline(always)]
@@ -81,7 +82,22 @@ fn fly_on<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, held: &Held<R>) {
     let plan = &scene.plan;
     let period =
         Period { time: held.since, step: scene.step, steps: plan.steps_per_period, shapes: scene.common.shapes };
-    propagate(&scene.numbers.around, &flight.vehicle, &mut flight.truth, &held.wrench, held.frame, &period);
+    let Numbers { around, case, .. } = &scene.numbers;
+    if plan.disturbances.any() {
+        let disturbed = Disturbed {
+            around,
+            vehicle: &flight.vehicle,
+            masses: [case.chaser.mass, case.debris.mass],
+            joint: &flight.joint,
+            disturbances: &case.disturbances,
+            acting: plan.disturbances,
+            wrench: held.wrench,
+            frame: held.frame,
+        };
+        disturbed.propagate(&mut flight.truth, &period);
+    } else {
+        propagate(around, &flight.vehicle, &mut flight.truth, &held.wrench, held.frame, &period);
+    }
     ride_along(plan, flight);
 }
 
@@ -128,7 +144,8 @@ fn merge<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, lanes: R::Mask, time
         StackGoal::Reached => reached,
     };
 
-    flight.mount = Quat::select(lanes, mount, flight.mount);
+    let joint = Joint { joined: R::one(), mount, offset: stack.offset };
+    flight.joint = Joint::choose(lanes, &joint, &flight.joint);
     flight.stack_goal = Vec3::select(lanes, goal, flight.stack_goal);
     flight.truth = Motion::choose(lanes, &stack.motion, &flight.truth);
     flight.vehicle = Vehicle::choose(lanes, &stack.vehicle, &flight.vehicle);
@@ -153,8 +170,8 @@ fn merge<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, lanes: R::Mask, time
 fn ride_along<R: Real>(plan: &Plan, flight: &mut Flight<R>) {
     let merged = flight.capture.captured();
     if plan.transition.merges() && merged.any() {
-        let attitude = flight.truth.chaser_attitude * flight.mount;
-        let rate = flight.mount.rotate_inverse(flight.truth.chaser_rate);
+        let attitude = flight.truth.chaser_attitude * flight.joint.mount;
+        let rate = flight.joint.mount.rotate_inverse(flight.truth.chaser_rate);
         flight.truth.debris_attitude = Quat::select(merged, attitude, flight.truth.debris_attitude);
         flight.truth.debris_rate = Vec3::select(merged, rate, flight.truth.debris_rate);
     }

@@ -3,8 +3,9 @@
 use crate::batch_struct;
 use crate::gnc::capture::CaptureState;
 use crate::gnc::laws::{Law, LawMemory};
-use crate::number::{Quat, Real, Vec3};
+use crate::number::{Real, Vec3};
 use crate::plant::body::Vehicle;
+use crate::plant::disturbed::Joint;
 use crate::plant::motion::Motion;
 
 batch_struct! {
@@ -36,8 +37,8 @@ batch_struct! {
         pub memory: Memory<R>,
         /// Capture so far.
         pub capture: CaptureState<R>,
-        /// D -> C, fixed at capture.
-        pub mount: Quat<R>,
+        /// How the debris sits on the chaser, fixed at capture.
+        pub joint: Joint<R>,
         /// r_des of the stack \[m, H\].
         pub stack_goal: Vec3<R>,
         /// 1 where the law of this phase has no gains: a Riccati equation without a solution in double precision.

@@ -4,6 +4,7 @@ use crate::gnc::capture::DistanceFrom;
 use crate::gnc::guidance::{Goal, StackGoal};
 use crate::gnc::laws::{AttitudeError, StackBelief, SurfaceRate};
 use crate::hardware::actuators::Saturation;
+use crate::plant::disturbances::Acting;
 use crate::plant::stack::Transition;
 
 /// What is the same for every flight of a batch: clocks, models, switches.
@@ -34,6 +35,8 @@ pub struct Plan {
     pub attitude_error: AttitudeError,
     /// What the sliding laws take off as the rate of their surface.
     pub surface_rate: SurfaceRate,
+    /// What disturbs the bodies.
+    pub disturbances: Acting,
     /// When a flight is over.
     pub end: End,
     /// Ticks for which a stack must have stayed settled before [`End::Settled`] ends the flight.

@@ -10,11 +10,12 @@ use crate::gnc::guidance::{self, Goal, GraspPoints, Target};
 use crate::gnc::laws::{Law, LawRecipe, MassProperties, Phase, Segment, Setting};
 use crate::hardware::actuators::Actuators;
 use crate::hardware::sensors::{Noisy, Sensors};
-use crate::number::{Mask, Quat, Real, Vec3};
+use crate::number::{Mask, Real, Vec3};
 use crate::part::Part;
 use crate::plan::Plan;
 use crate::plant::attitude::Inertia;
 use crate::plant::body::Vehicle;
+use crate::plant::disturbed::Joint;
 use crate::plant::lvlh::Lvlh;
 use crate::plant::motion::Motion;
 use crate::plant::orbit::HeldStep;
@@ -127,7 +128,7 @@ impl PreparedFlight {
                 actuators: (),
             },
             capture: CaptureState::open(),
-            mount: Quat::identity(),
+            joint: Joint::open(),
             stack_goal: case.goal.position,
             no_gains: self.laws.before.as_ref().map_or(0.0, no_gains),
         }

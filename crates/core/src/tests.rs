@@ -3,12 +3,12 @@
 use crate::number::{Mat3, Quat, Stream, Vec3};
 
 /// Random numbers, reproducible: the same name gives the same sequence.
-pub struct Dice {
+pub struct Random {
     stream: Stream<f64>,
     drawn: u32,
 }
 
-impl Dice {
+impl Random {
     pub fn new(seed: u64) -> Self {
         Self { stream: Stream::new(seed, |_| 0), drawn: 0 }
     }

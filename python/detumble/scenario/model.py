@@ -15,6 +15,7 @@ from detumble.errors import Fault
 from detumble.scenario.accuracy import AUTOMATIC_ERROR, MOST_STEPS
 from detumble.scenario.bodies import Belief, Chaser, Debris, Goal, Orbit
 from detumble.scenario.dispersions import AnyDispersion, Correlation
+from detumble.scenario.disturbances import Disturbances
 from detumble.scenario.hardware import Actuators, Sensors
 from detumble.scenario.laws import Laws, Segment
 from detumble.scenario.quantity import Quantity, Switch
@@ -183,6 +184,7 @@ class Scenario(Section):
         default_factory=Actuators.unlimited, description="needed by every law; open loop does without"
     )
     sensors: Sensors = Field(default_factory=Sensors)
+    disturbances: Disturbances = Field(default_factory=Disturbances)
     belief: Belief = Field(default_factory=Belief)
     laws: Laws = Field(default_factory=Laws)
     campaign: Campaign = Field(default_factory=Campaign)

@@ -44,6 +44,10 @@ PLAN: Table = {
     "plan.saturation": (_word("actuators.saturation"),),
     "plan.attitude_error": (_word("laws.attitude_error"),),
     "plan.surface_rate": (_word("laws.surface_rate"),),
+    "plan.disturbances.constant": (
+        constant("none", ("disturbances.constant", None)),
+        _word("disturbances.constant.axes"),
+    ),
     "plan.end": (
         constant("duration", _OPEN_LOOP),
         constant("duration", ("flight.whole", True)),

@@ -17,6 +17,7 @@ use detumble_core::hardware::sensors::NoiseSigmas;
 use detumble_core::number::{Backend, Mat3, Quat, Stream, Vec3};
 use detumble_core::plan::{End, Plan};
 use detumble_core::plant::body::Body;
+use detumble_core::plant::disturbances::{Acting, Disturbances};
 use detumble_core::plant::motion::Motion;
 use detumble_core::plant::orbit::Orbit;
 use detumble_core::plant::stack::Transition;
@@ -174,6 +175,7 @@ fn plan(way: Way, periods: u32) -> Plan {
         saturation: if corrected { Saturation::Scaled } else { Saturation::PerAxis },
         attitude_error: if corrected { AttitudeError::TwoEpsilon } else { AttitudeError::Epsilon },
         surface_rate: if corrected { SurfaceRate::Exact } else { SurfaceRate::Printed },
+        disturbances: Acting::default(),
         end: End::Duration,
         hold_ticks: 0,
     }
@@ -221,6 +223,7 @@ fn case(i: usize) -> Case<f64> {
         capture: CaptureThresholds { distance: 0.5, angle: 20f64.to_radians(), rate: 0.05, speed: f64::INFINITY },
         settled: SettledThresholds { angle: 2f64.to_radians(), rate: 0.005 },
         actuators: Limits::exact(Vec3([0.1; 3]), Vec3([0.01; 3])),
+        disturbances: Disturbances::none(),
         sensors: NoiseSigmas { position: 1e-3, velocity: 1e-4, attitude: 2e-3, rate: 1e-4 },
         belief: Belief {
             chaser_mass: 9.0,

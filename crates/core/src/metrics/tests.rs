@@ -16,6 +16,7 @@ use crate::hardware::sensors::NoiseSigmas;
 use crate::number::{Mat3, Quat, Stream};
 use crate::plan::{End, Plan};
 use crate::plant::body::Body;
+use crate::plant::disturbances::{Acting, Disturbances};
 use crate::plant::motion::Motion;
 use crate::plant::orbit::Orbit;
 use crate::plant::stack::Transition;
@@ -44,6 +45,7 @@ fn recipe(law: LawRecipe) -> FlightRecipe {
             capture: CaptureThresholds { distance: 0.5, angle: 0.3, rate: 0.05, speed: f64::INFINITY },
             settled: SettledThresholds { angle: 0.2, rate: 0.01 },
             actuators: Limits::exact(Vec3([0.4; 3]), Vec3([0.02; 3])),
+            disturbances: Disturbances::none(),
             sensors: NoiseSigmas { position: 0.0, velocity: 0.0, attitude: 0.0, rate: 0.0 },
             belief: Belief {
                 chaser_mass: 8.0,
@@ -66,6 +68,7 @@ fn recipe(law: LawRecipe) -> FlightRecipe {
             saturation: Saturation::PerAxis,
             attitude_error: AttitudeError::Epsilon,
             surface_rate: SurfaceRate::Printed,
+            disturbances: Acting::default(),
             end: End::Duration,
             hold_ticks: 0,
         },

@@ -139,10 +139,16 @@ pub fn spin_step<R: Real, B: RigidBody<R>>(body: &B, spin: &Spin<R>, torque: Vec
     let (new_momentum, new_rate) = (momentum + gain, spin.rate + body.rate(gain));
 
     let bend = pull - dynamics.momentum_rate(new_rate, new_momentum);
+    Spin { attitude: rotated(body, spin, new_rate, bend, h), rate: new_rate }
+}
+
+/// The attitude after a step: from the rates at both ends and the difference of L' between them.
+#[inline(always)]
+pub fn rotated<R: Real, B: RigidBody<R>>(body: &B, spin: &Spin<R>, new_rate: Vec3<R>, bend: Vec3<R>, h: R) -> Quat<R> {
     let twelfth = Vec3::splat(h * h * R::splat(1.0 / 12.0));
     let curved = twelfth * (body.rate(bend) + spin.rate.cross(new_rate));
     let turn = Vec3::splat(h * R::splat(0.5)).mul_add(spin.rate + new_rate, curved);
-    Spin { attitude: renormalized(spin.attitude * small_rotation(turn)), rate: new_rate }
+    renormalized(spin.attitude * small_rotation(turn))
 }
 
 /// The rotation by a vector. The series end at (|φ|/2)¹⁰: rounding for turns up to 0.3 rad.

@@ -2,6 +2,8 @@
 
 pub mod attitude;
 pub mod body;
+pub mod disturbances;
+pub mod disturbed;
 pub mod lvlh;
 pub mod motion;
 pub mod orbit;

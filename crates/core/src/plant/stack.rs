@@ -18,7 +18,7 @@ use super::attitude::Inertia;
 use super::body::{Body, Vehicle};
 use super::lvlh::Lvlh;
 use super::motion::Motion;
-use crate::number::{Mat3, Real};
+use crate::number::{Mat3, Real, Vec3};
 
 /// How the bodies join at capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +47,8 @@ pub struct Stack<R> {
     pub vehicle: Vehicle<R>,
     /// r, v, q, ω of the stack; the debris' part is left as it was.
     pub motion: Motion<R>,
+    /// From the debris' centre of mass to the chaser's, C axes \[m\]; zero where it is neglected.
+    pub offset: Vec3<R>,
 }
 
 /// The paper's transition.
@@ -54,6 +56,7 @@ pub fn merge_approximate<R: Real>(chaser: &Body<R>, debris: &Body<R>, motion: &M
     Stack {
         vehicle: Vehicle::new(chaser.mass + debris.mass, Inertia::new(chaser.inertia + debris.inertia)),
         motion: *motion,
+        offset: Vec3::zero(),
     }
 }
 
@@ -80,7 +83,7 @@ pub fn merge_conserving<R: Real>(chaser: &Body<R>, debris: &Body<R>, motion: &Mo
     merged.position = motion.position * share;
     merged.velocity = motion.velocity * share;
     merged.chaser_rate = inertia.inverse * momentum;
-    Stack { vehicle: Vehicle::new(mass, inertia), motion: merged }
+    Stack { vehicle: Vehicle::new(mass, inertia), motion: merged, offset }
 }
 
 /// Symmetric to the last bit: R I Rᵀ is so only to round-off.

@@ -24,7 +24,7 @@ from detumble.analysis.bounds.commanded import reach_at_tick
 from detumble.analysis.bounds.detumbling import Detumbling, detumble_bound
 from detumble.analysis.bounds.earliest import minimum_times
 from detumble.analysis.bounds.fuel import delta_v_bound
-from detumble.analysis.bounds.pursuit import Pursuit, start_of
+from detumble.analysis.bounds.pursuit import Pursuit, check_undisturbed, start_of
 from detumble.analysis.bounds.slew import AttitudeBound, Slew, attitude_bound, first_slew
 from detumble.analysis.bounds.soonest import translation_bound
 from detumble.analysis.bounds.transfer import Bracket, Transfer
@@ -114,12 +114,13 @@ def bound(scenario: Scenario | str | os.PathLike[str], within: float | None = No
         within: s, by when the Δv is asked for; None is the duration.
 
     Raises:
-        ScenarioError: the scenario contradicts itself.
+        ScenarioError: the scenario contradicts itself, or a disturbance acts: the bounds know of none.
         RequestError: `within` is no time of the flight, or CasADi is not installed.
     """
     scenario = given(scenario)
     if not scenario.capture.model_fields_set:
         raise ScenarioError(scenario.title, [Fault("capture", "missing; a bound needs the thresholds of capture")])
+    check_undisturbed(scenario)
     plain = core_case(scenario, "none")
     plain["plan"]["transition"] = scenario.capture.transition  # open loop never merges; what a controller captures does
     return bound_of(plain, within)

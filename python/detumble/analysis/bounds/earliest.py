@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from detumble.analysis.bounds.goal import Goal
-from detumble.analysis.bounds.pursuit import Pursuit, start_of
+from detumble.analysis.bounds.pursuit import Pursuit, check_undisturbed, start_of
 from detumble.analysis.bounds.translation import Approach
 from detumble.analysis.bounds.tumble import tumble
 from detumble.analysis.bounds.turn import excluded
@@ -48,9 +48,14 @@ class MinimumTimes:
 
 
 def minimum_capture_time(scenario: Scenario) -> float:
-    """The earliest time, s, at which any controller could capture in this scenario; inf if not within its duration."""
+    """Give the earliest time, s, at which any controller could capture in this scenario; inf if not within its duration.
+
+    Raises:
+        ScenarioError: the scenario contradicts itself, or a disturbance acts.
+    """
     from detumble.scenario.core import case
 
+    check_undisturbed(scenario)
     plain = case(scenario, "none")
     return minimum_times(Pursuit.of(plain), start_of(plain)).capture
 

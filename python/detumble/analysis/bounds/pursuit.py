@@ -5,14 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from detumble.analysis.bounds.translation import Reach
 from detumble.analysis.bounds.turn import Agility
 from detumble.compiled import tick_times
+from detumble.errors import Fault, ScenarioError
 from detumble.quaternions import Array, about_z, multiply
+
+if TYPE_CHECKING:
+    from detumble.scenario.model import Scenario
 
 
 def _given(actuators: Mapping[str, Any], what: str) -> Array:
@@ -98,6 +102,18 @@ class Pursuit:
     def agility(self) -> Agility:
         """Bounds of the chaser's rate under the torque limits."""
         return Agility.of(self.chaser_inertia, self.torque)
+
+
+def check_undisturbed(scenario: Scenario) -> None:
+    """Make sure that nothing but its actuators moves the chaser, and nothing turns the debris: the bounds know no more.
+
+    Raises:
+        ScenarioError: a disturbance acts.
+    """
+    acting = scenario.disturbances.acting
+    if acting:
+        faults = [Fault(f"disturbances.{name}", "acts; bounds hold only where no disturbance does") for name in acting]
+        raise ScenarioError(scenario.title, faults)
 
 
 def start_of(case: Mapping[str, Any]) -> Array:

@@ -216,13 +216,18 @@ class _Work:
         return np.where(runs.succeeded, np.fmin(values, self.ceiling), self.ceiling)
 
     def bounds(self) -> Array:
-        """Bound the capture time of every held-out run: one table for all entries."""
+        """Bound the capture time of every held-out run, (runs,), for all entries; NaN where a disturbance acts."""
+        if self.scenario.disturbances.acting:
+            return np.full(self.plan.runs, np.nan)
         self._stage("least capture time of every run", self.plan.runs)
         trials = Trials(self.scenario, self.plan.judging, 0, self.plan.runs)
         return capture_bounds(trials, processes=self.threads, progress=self.watcher.now)
 
     def ratios(self, judged: Sequence[Judged], bounds: Array) -> list[dict[str, Ratio]]:
-        """Divide what each entry achieved by the bounds of its runs."""
+        """Divide what each entry achieved by the bounds of its runs; where a disturbance acts there are none."""
+        if self.scenario.disturbances.acting:
+            none = Ratio.of(bounds, bounds)
+            return [dict.fromkeys(("time", "delta_v", "settling"), none) for _ in judged]
         count = min(FUEL_RUNS, self.plan.runs)
         self._stage("least Δv of the first runs", count * len(judged))
         within = np.array([one.runs["capture_time"][:count] for one in judged])

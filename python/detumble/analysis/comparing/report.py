@@ -89,6 +89,9 @@ def _notes(comparison: Comparison) -> str:
 
 
 def _ratios(comparison: Comparison) -> str:
+    acting = comparison.scenario.disturbances.acting
+    if acting:
+        return f"No ratios to bounds: disturbances act ({', '.join(acting)}), and the bounds know of none."
     rows: list[tuple[str, ...]] = [
         ("over the bound of each run", "time 5 %", "median", "95 %", "Δv 5 %", "median", "95 %", "settling", "95 %")
     ]

@@ -1,5 +1,5 @@
 use super::*;
-use crate::tests::{Dice, assert_near};
+use crate::tests::{Random, assert_near};
 
 fn target(attitude: Quat<f64>, rate: Vec3<f64>) -> Target<f64> {
     Target {
@@ -40,7 +40,7 @@ fn errors_have_their_known_values() {
 
 #[test]
 fn attitude_error_goes_the_short_way_whatever_the_signs() {
-    let mut noise = Dice::new(20);
+    let mut noise = Random::new(20);
     for _ in 0..200 {
         let (q, reference, rate) = (noise.attitude(), noise.attitude(), noise.vector(0.1));
         let error = |p: Quat<f64>, r: Quat<f64>| TrackingError::between(&motion(p, rate), &target(r, rate));
@@ -57,7 +57,7 @@ fn attitude_error_goes_the_short_way_whatever_the_signs() {
 
 #[test]
 fn bodies_that_turn_alike_have_no_rate_error() {
-    let mut noise = Dice::new(21);
+    let mut noise = Random::new(21);
     for _ in 0..50 {
         let (q, reference, in_n) = (noise.attitude(), noise.attitude(), noise.vector(0.1));
         let motion = motion(q, q.rotate_inverse(in_n));

@@ -2,7 +2,7 @@ use super::*;
 use crate::number::Mat3;
 use crate::plant::attitude::{Spin, spin_step};
 use crate::plant::orbit::Orbit;
-use crate::tests::{Dice, assert_near};
+use crate::tests::{Random, assert_near};
 
 struct Scene {
     orbit: Orbit<f64>,
@@ -10,7 +10,7 @@ struct Scene {
     start: Motion<f64>,
 }
 
-fn scene(noise: &mut Dice) -> Scene {
+fn scene(noise: &mut Random) -> Scene {
     Scene {
         // An orbit fast enough for its terms to be seen in the differences.
         orbit: Orbit { mean_motion: 0.02, lvlh_attitude: noise.attitude() },
@@ -52,7 +52,7 @@ impl Scene {
 
 #[test]
 fn grasp_velocity_and_acceleration_are_the_derivatives_of_the_goal() {
-    let mut noise = Dice::new(22);
+    let mut noise = Random::new(22);
     for _ in 0..50 {
         let scene = scene(&mut noise);
         // Central differences of fourth order in h: h⁴ ω⁵ p and round-off 1e-16/h.
@@ -68,7 +68,7 @@ fn grasp_velocity_and_acceleration_are_the_derivatives_of_the_goal() {
 
 #[test]
 fn grasp_points_meet_at_the_goal() {
-    let mut noise = Dice::new(23);
+    let mut noise = Random::new(23);
     for _ in 0..50 {
         let scene = scene(&mut noise);
         let target = scene.now();
@@ -112,7 +112,7 @@ fn grasp_point_of_a_spinning_body_has_its_known_motion() {
 
 #[test]
 fn fixed_goal_rests_in_h_and_the_stack_turns_with_h() {
-    let mut noise = Dice::new(24);
+    let mut noise = Random::new(24);
     let scene = scene(&mut noise);
     let goal = Vec3([0.0, 0.3, 0.0]);
     let before = fixed_point(goal, &scene.start);

@@ -5,7 +5,7 @@ use super::*;
 use crate::number::Mat3;
 use crate::number::Quat;
 use crate::plant::motion::Motion;
-use crate::tests::{Dice, assert_near};
+use crate::tests::{Random, assert_near};
 
 const BEFORE: MassProperties<f64> =
     MassProperties { mass: 9.0, inertia: Mat3([[0.10, 0.01, 0.0], [0.01, 0.12, 0.0], [0.0, 0.0, 0.05]]) };
@@ -264,7 +264,7 @@ fn two_epsilon_doubles_the_attitude_error_of_sliding_laws_and_its_exact_rate() {
 fn exact_surface_rate_is_the_derivative_of_the_surface_along_the_motion() {
     // What the switch changes in the torque is I times the change of compensation; held against finite differences of the
     // attitude error itself under a constant e_ω.
-    let mut noise = Dice::new(31);
+    let mut noise = Random::new(31);
     let tsmc_gains =
         tsmc::Gains { slope: Vec3([0.3, 0.2, 0.1]), gain: Vec3([0.1; 3]), layer: Vec3([0.5; 3]), exponent: 0.6 };
     let tsmc_law = LawRecipe::Tsmc(both(Form::Corrected, tsmc_gains, tsmc_gains));

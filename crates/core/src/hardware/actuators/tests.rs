@@ -1,5 +1,5 @@
 use super::*;
-use crate::tests::{Dice, assert_near};
+use crate::tests::{Random, assert_near};
 
 const LIMIT: Vec3<f64> = Vec3([0.1, 0.2, 0.4]);
 
@@ -13,7 +13,7 @@ fn each_axis_is_clipped_at_its_own_limit() {
 fn scaling_brings_the_worst_axis_to_its_limit_and_keeps_the_direction() {
     // Excess 3 on x, 1.5 on y.
     assert_near(&saturate(Vec3([0.3, -0.3, 0.06]), LIMIT, Saturation::Scaled).0, &[0.1, -0.1, 0.02], 1e-16);
-    let mut noise = Dice::new(13);
+    let mut noise = Random::new(13);
     for _ in 0..200 {
         let demand = noise.vector(2.0);
         let given = saturate(demand, LIMIT, Saturation::Scaled);

@@ -1,5 +1,5 @@
 use super::*;
-use crate::tests::{Dice, angle_between, assert_near, brief, fitted_order};
+use crate::tests::{Random, angle_between, assert_near, brief, fitted_order};
 
 const FULL: Mat3<f64> = Mat3([[0.10, 0.012, -0.02], [0.012, 0.13, 0.008], [-0.02, 0.008, 0.07]]);
 const DEBRIS: [f64; 3] = [0.05, 0.05, 0.08];
@@ -110,7 +110,7 @@ fn quaternion_rk4_step(body: &Inertia<f64>, spin: &Spin<f64>, torque: Vec3<f64>,
 #[test]
 fn magnus_step_is_more_accurate_than_rk4_on_the_quaternion() {
     // Over random bodies and tumbles: the mean of the ratio of errors, in powers.
-    let mut noise = Dice::new(2);
+    let mut noise = Random::new(2);
     let (count, mut sum, mut worse) = (40, 0.0, 0);
     for _ in 0..count {
         let body = Inertia::new(noise.inertia(0.1));
@@ -155,7 +155,7 @@ fn free_tumble_keeps_momentum_energy_and_norm() {
 
 #[test]
 fn principal_axes_path_gives_the_bits_of_the_general_path() {
-    let mut noise = Dice::new(3);
+    let mut noise = Random::new(3);
     for _ in 0..200 {
         let moments = Vec3([0; 3].map(|_| noise.between(0.01, 0.2)));
         let body = Inertia::new(Mat3::diagonal(moments));
@@ -169,7 +169,7 @@ fn principal_axes_path_gives_the_bits_of_the_general_path() {
 #[test]
 fn series_of_a_small_rotation_is_exact_to_rounding_up_to_0_3_rad() {
     // First power left out: (|φ|/2)¹¹/11!, in the angle twice that: 4e-17 at 0.3, 1.2e-14 at 0.5 rad.
-    let mut noise = Dice::new(36);
+    let mut noise = Random::new(36);
     for (size, bound) in [(1e-6, 4e-22), (0.01, 5e-18), (0.3, 3e-16), (0.5, 1.3e-14)] {
         for _ in 0..50 {
             let turn = noise.vector(1.0);

@@ -1,6 +1,6 @@
 use super::*;
 use crate::number::Mat3;
-use crate::tests::{Dice, assert_near};
+use crate::tests::{Random, assert_near};
 
 const N: f64 = 1.0618120e-3;
 
@@ -84,7 +84,7 @@ fn steps_compose() {
 
 #[test]
 fn held_acceleration_agrees_with_fine_integration() {
-    let mut noise = Dice::new(1);
+    let mut noise = Random::new(1);
     for time in [0.05, 1.0, 60.0, 600.0, 5000.0] {
         let (r, v, held) = (noise.vector(20.0), noise.vector(0.05), noise.vector(0.01));
         let (exact_r, exact_v) = HeldStep::new(N, time).advance(r, v, held);

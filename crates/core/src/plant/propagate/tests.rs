@@ -1,10 +1,10 @@
 use super::*;
 use crate::number::{Mat3, Quat};
-use crate::tests::{Dice, angle_between, assert_near, brief, fitted_order};
+use crate::tests::{Random, angle_between, assert_near, brief, fitted_order};
 
 const N: f64 = 1.0618120e-3;
 
-fn surroundings(step: f64, noise: &mut Dice) -> Surroundings<f64> {
+fn surroundings(step: f64, noise: &mut Random) -> Surroundings<f64> {
     let lvlh_attitude = noise.attitude();
     let debris = Inertia::new(noise.inertia(0.05));
     let at_rest = Spin { attitude: Quat::identity(), rate: Vec3::zero() };
@@ -17,7 +17,7 @@ fn surroundings(step: f64, noise: &mut Dice) -> Surroundings<f64> {
     }
 }
 
-fn motion(noise: &mut Dice) -> Motion<f64> {
+fn motion(noise: &mut Random) -> Motion<f64> {
     Motion {
         position: noise.vector(20.0),
         velocity: noise.vector(0.05),
@@ -111,7 +111,7 @@ impl Independent<'_> {
 
 #[test]
 fn open_loop_agrees_with_an_independent_integration_in_n() {
-    let mut noise = Dice::new(4);
+    let mut noise = Random::new(4);
     for body_frame in [true, false] {
         for time in [20.0, 300.0] {
             let around = surroundings(0.05, &mut noise);
@@ -142,7 +142,7 @@ fn open_loop_agrees_with_an_independent_integration_in_n() {
 
 #[test]
 fn open_loop_shows_its_order() {
-    let mut noise = Dice::new(5);
+    let mut noise = Random::new(5);
     let vehicle = Vehicle::new(9.0, Inertia::new(noise.inertia(0.1)));
     let wrench = Wrench { force: noise.vector(0.05), torque: noise.vector(2e-3) };
     let (around, start) = (surroundings(1.0, &mut noise), motion(&mut noise));
@@ -164,7 +164,7 @@ fn open_loop_shows_its_order() {
 #[test]
 fn body_force_that_does_not_turn_is_the_held_force() {
     // Axes on H and turning with it about a principal axis: body force, H force and held force are one.
-    let mut noise = Dice::new(6);
+    let mut noise = Random::new(6);
     let around = surroundings(0.05, &mut noise);
     let vehicle = Vehicle::new(9.0, Inertia::new(Mat3::diagonal(Vec3([0.1, 0.1, 0.05]))));
     let start =
@@ -188,17 +188,17 @@ fn body_force_that_does_not_turn_is_the_held_force() {
 
 #[test]
 fn more_steps_in_a_period_refine_rotation_and_leave_translation() {
-    let mut noise = Dice::new(7);
+    let mut noise = Random::new(7);
     let vehicle = Vehicle::new(9.0, Inertia::new(noise.inertia(0.1)));
     let wrench = Wrench { force: noise.vector(0.05), torque: noise.vector(2e-3) };
     let start =
         Motion { chaser_rate: Vec3([0.3, -0.5, 0.4]), debris_rate: Vec3([0.4, 0.3, -0.5]), ..motion(&mut noise) };
-    let at = |steps: u32, noise: &mut Dice| {
+    let at = |steps: u32, noise: &mut Random| {
         let around = surroundings(0.2 / f64::from(steps), noise);
         fly(&around, &vehicle, &start, &wrench, WrenchFrame::Command, (0.2, steps, 100))
     };
-    // The same surroundings for each: the noise thrown anew.
-    let [fine, ends @ ..] = [128, 1, 2, 4, 8].map(|steps| at(steps, &mut Dice::new(8)));
+    // The same surroundings for each: the random numbers drawn anew.
+    let [fine, ends @ ..] = [128, 1, 2, 4, 8].map(|steps| at(steps, &mut Random::new(8)));
     let steps = [0.2, 0.1, 0.05, 0.025];
     for end in ends {
         // Round-off of 12 800 steps in `fine`: 1 + 3 (1 - cos nt) is rounded the same way in each, 25 m · 12 800 · ε/2.

@@ -1,6 +1,6 @@
 use super::*;
 use crate::number::{Quat, Vec3};
-use crate::tests::{Dice, assert_near};
+use crate::tests::{Random, assert_near};
 
 /// Both bodies in N axes, about the origin of H.
 struct Pair {
@@ -10,8 +10,8 @@ struct Pair {
     lvlh: Lvlh<f64>,
 }
 
-fn random_pair(noise: &mut Dice) -> Pair {
-    let body = |noise: &mut Dice, size| Body {
+fn random_pair(noise: &mut Random) -> Pair {
+    let body = |noise: &mut Random, size| Body {
         mass: noise.between(1.0, 20.0),
         inertia: noise.inertia(size),
         grasp_point: Vec3::zero(),
@@ -81,7 +81,7 @@ fn points_of(body: &Body<f64>) -> Vec<Vec3<f64>> {
 
 #[test]
 fn merge_conserves_linear_and_angular_momentum_and_never_gains_energy() {
-    let mut noise = Dice::new(9);
+    let mut noise = Random::new(9);
     let (mut linear_worst, mut angular_worst, mut least_loss) = (0.0_f64, 0.0_f64, f64::INFINITY);
     for _ in 0..1000 {
         let pair = random_pair(&mut noise);
@@ -115,7 +115,7 @@ fn merge_conserves_linear_and_angular_momentum_and_never_gains_energy() {
 
 #[test]
 fn bodies_that_already_move_as_one_lose_no_energy() {
-    let mut noise = Dice::new(10);
+    let mut noise = Random::new(10);
     for _ in 0..100 {
         let mut pair = random_pair(&mut noise);
         // One rigid motion ω about the common centre: v_rel = ω × r in N.
@@ -134,7 +134,7 @@ fn bodies_that_already_move_as_one_lose_no_energy() {
 
 #[test]
 fn inertia_of_the_stack_is_that_of_its_mass_points_and_physical() {
-    let mut noise = Dice::new(11);
+    let mut noise = Random::new(11);
     let mut worst = 0.0_f64;
     for _ in 0..1000 {
         let pair = random_pair(&mut noise);
@@ -216,7 +216,7 @@ fn numbers_of_the_papers_capture_are_those_of_the_specification() {
 
 #[test]
 fn approximate_transition_keeps_the_chasers_motion_and_adds_plain_matrices() {
-    let mut noise = Dice::new(12);
+    let mut noise = Random::new(12);
     for _ in 0..20 {
         let pair = random_pair(&mut noise);
         let stack = merge_approximate(&pair.chaser, &pair.debris, &pair.motion);

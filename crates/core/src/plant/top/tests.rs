@@ -1,16 +1,16 @@
 use super::*;
 use crate::plant::attitude::spin_step;
-use crate::tests::{Dice, angle_between};
+use crate::tests::{Random, angle_between};
 
 const TOPS: [[f64; 3]; 3] = [[0.05, 0.05, 0.08], [0.1, 0.1, 0.05], [0.03, 0.03, 0.03]];
 
-fn start(noise: &mut Dice) -> Spin<f64> {
+fn start(noise: &mut Random) -> Spin<f64> {
     Spin { attitude: noise.attitude(), rate: noise.vector(0.2) }
 }
 
 #[test]
 fn the_closed_form_is_what_runge_kutta_converges_to() {
-    let mut noise = Dice::new(5);
+    let mut noise = Random::new(5);
     for diagonal in TOPS {
         let body = Inertia::new(Mat3::diagonal(Vec3(diagonal)));
         let first = start(&mut noise);
@@ -29,7 +29,7 @@ fn the_closed_form_is_what_runge_kutta_converges_to() {
 
 #[test]
 fn momentum_and_energy_stay_over_a_million_steps() {
-    let mut noise = Dice::new(6);
+    let mut noise = Random::new(6);
     let body = Inertia::new(Mat3::diagonal(Vec3(TOPS[0])));
     let first = start(&mut noise);
     let top = FreeTop::new(&body, &first, 0.05);

@@ -1,6 +1,6 @@
 use super::*;
 use crate::number::Vec3;
-use crate::tests::Dice;
+use crate::tests::Random;
 
 const NUMBERS: std::ops::Range<usize> = 0..STATES;
 
@@ -160,7 +160,7 @@ fn gain_of_an_isotropic_body_is_the_closed_form() {
 
 #[test]
 fn equation_is_solved_and_the_loop_stable_for_awkward_weights() {
-    let mut noise = Dice::new(32);
+    let mut noise = Random::new(32);
     let mut worst = 0.0_f64;
     for trial in 0..600 {
         // q/r from 1e-12 to 1e6 on every axis by itself: the same, near one another, or as far apart as it goes.
@@ -188,7 +188,7 @@ fn equation_is_solved_and_the_loop_stable_for_awkward_weights() {
 
 #[test]
 fn lyapunov_equation_is_solved() {
-    let mut noise = Dice::new(33);
+    let mut noise = Random::new(33);
     for _ in 0..20 {
         let weights = Weights { q_error: Vec3([1.0; 3]), q_rate: Vec3([1.0; 3]), r: 1.0 };
         let system = attitude(noise.inertia(0.5), 0.5);
@@ -210,7 +210,7 @@ fn lyapunov_equation_is_solved() {
 
 #[test]
 fn first_gain_is_stabilising_for_every_system() {
-    let mut noise = Dice::new(34);
+    let mut noise = Random::new(34);
     for trial in 0..200 {
         let mut weight = || Vec3([0; 3].map(|_| 10f64.powf(noise.between(-12.0, 6.0))));
         let weights = Weights { q_error: weight(), q_rate: weight(), r: 1.0 };

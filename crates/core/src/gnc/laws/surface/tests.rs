@@ -1,5 +1,5 @@
 use super::*;
-use crate::tests::{Dice, assert_near};
+use crate::tests::{Random, assert_near};
 
 fn terminal(slope: f64, exponent: f64) -> Surface<f64> {
     Surface::Terminal(Terminal { slope: Vec3([slope; 3]), exponent })
@@ -40,7 +40,7 @@ fn time_on_the_surface_is_the_exact_one() {
 
 #[test]
 fn own_rate_is_the_derivative_of_the_surface_at_constant_rate() {
-    let mut noise = Dice::new(30);
+    let mut noise = Random::new(30);
     for surface in
         [Surface::Linear(Linear { slope: Vec3([0.1, 0.2, 0.3]) }), terminal(0.7, 0.6), terminal(0.7, 5.0 / 3.0)]
     {

@@ -1,0 +1,46 @@
+"""What acts on the bodies besides their actuators. Without the table nothing does."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from detumble.scenario.quantity import Quantity, Vector
+from detumble.scenario.rules import Place, Rule
+from detumble.scenario.section import Section
+
+_ZERO: Vector = (0.0, 0.0, 0.0)
+
+
+def _load(body: str, what: Literal["force", "torque"]) -> Quantity:
+    unit, most = ("N", 1e6) if what == "force" else ("N m", 1e6)
+    place = Place(f"disturbances.constant.{body}_{what}", Rule("zeros"))
+    return Quantity(unit, f"on the {body}", shape="vector", place=place, least=-most, most=most)
+
+
+class ConstantLoads(Section):
+    """Forces and torques that stay as they are: solar pressure, drag, a leak. Forces act at the centre of mass of their body.
+
+    The stack carries on the loads of both, where and in the axes in which they began. A force on the debris moves it away from
+    the origin of H: what counts before capture is the difference of the accelerations.
+    """
+
+    axes: Literal["lvlh", "body"] = Field(
+        "lvlh", description="constant in H, or each in the axes of its body, with which it turns"
+    )
+    chaser_force: Annotated[Vector, _load("chaser", "force")] = _ZERO
+    chaser_torque: Annotated[Vector, _load("chaser", "torque")] = _ZERO
+    debris_force: Annotated[Vector, _load("debris", "force")] = _ZERO
+    debris_torque: Annotated[Vector, _load("debris", "torque")] = _ZERO
+
+
+class Disturbances(Section):
+    """What acts on chaser, debris and stack besides the actuators. No law is told of it."""
+
+    constant: ConstantLoads | None = None
+
+    @property
+    def acting(self) -> tuple[str, ...]:
+        """Names of the disturbances that act."""
+        return tuple(name for name in type(self).model_fields if getattr(self, name))
