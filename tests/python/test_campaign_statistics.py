@@ -25,22 +25,22 @@ SHARD = 1000
 @functools.cache
 def shard(number, rows=SHARD, success_rate=0.9):
     """A shard of made-up runs, in which failures of all kinds occur and every quantity is missing somewhere."""
-    dice = np.random.default_rng(number)
-    capture = np.round(dice.lognormal(4.0, 0.5, rows)) * PERIOD
-    settling = np.round(dice.lognormal(5.0, 0.8, rows)) * PERIOD
-    success = dice.random(rows) < success_rate
-    causes = dice.choice(CAUSES[:5], rows, p=[0.5, 0.05, 0.2, 0.2, 0.05])
+    rng = np.random.default_rng(number)
+    capture = np.round(rng.lognormal(4.0, 0.5, rows)) * PERIOD
+    settling = np.round(rng.lognormal(5.0, 0.8, rows)) * PERIOD
+    success = rng.random(rows) < success_rate
+    causes = rng.choice(CAUSES[:5], rows, p=[0.5, 0.05, 0.2, 0.2, 0.05])
     never = np.array([cause.startswith("never") for cause in causes]) & ~success
     columns = {
         "index": np.arange(number * SHARD, number * SHARD + rows, dtype=np.uint64),
-        "chaser.mass": dice.normal(9.0, 0.2, rows),
+        "chaser.mass": rng.normal(9.0, 0.2, rows),
         "success": success,
         "failure": [None if good else str(cause) for good, cause in zip(success, causes, strict=True)],
         "end_time_s": np.full(rows, 300.0),
         "diverged_time_s": np.where(success | (causes != "diverged"), np.nan, 1.5),
     }
-    columns |= {name: dice.lognormal(-3.0, 1.0, rows) for name in EXTENTS}
-    columns |= {f"{kind}_saturated_share": dice.random(rows) for kind in ("force", "torque")}
+    columns |= {name: rng.lognormal(-3.0, 1.0, rows) for name in EXTENTS}
+    columns |= {f"{kind}_saturated_share": rng.random(rows) for kind in ("force", "torque")}
     columns["capture_time_s"] = np.where(never, np.nan, capture)
     columns["settling_time_s"] = np.where(success, settling, np.nan)
     columns["capture_tick"] = columns["capture_time_s"] / PERIOD
@@ -75,9 +75,9 @@ def numbers(frames, name):
 def test_statistics_do_not_depend_on_the_order_of_shards_to_the_bit():
     frames = [shard(number) for number in range(8)]
     expected = everything(counted(frames))
-    dice = np.random.default_rng(6)
+    rng = np.random.default_rng(6)
     for _ in range(3):
-        order = dice.permutation(8)
+        order = rng.permutation(8)
         assert everything(counted(frames[number] for number in order)) == expected
 
 
@@ -261,12 +261,12 @@ def test_flying_until_the_interval_is_narrow_costs_little_coverage():
 
 def test_the_stop_that_was_computed_is_the_stop_that_happens():
     p, width, repetitions = 0.9, 0.011, 1000
-    dice = np.random.default_rng(8)
+    rng = np.random.default_rng(8)
     covered = 0
     for _ in range(repetitions):
         prefixes, flown, successes = Prefixes(0.95), 0, 0
         while prefixes.first_narrow_enough(width) is None:
-            success = dice.random(500) < p
+            success = rng.random(500) < p
             prefixes.add(flown, success)
             flown, successes = flown + 500, successes + int(success.sum())
         assert prefixes.first_narrow_enough(width) == flown
