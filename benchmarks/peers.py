@@ -57,7 +57,7 @@ class Session:
         return Peer(name, python, threads, self.case, self.folder)
 
     def present(self) -> list[str]:
-        """Name those that nothing has been said against."""
+        """Name the peers without a fault."""
         return [name for name in self.chosen if name not in self.absent]
 
     def agree(self) -> list[agreement.Check]:
@@ -92,7 +92,7 @@ class Session:
                 peer.close()
 
     def start_up(self, repetitions: int) -> dict[str, measure.StartUp]:
-        """Measure everyone's way to a first result."""
+        """Measure the time to a first result of every peer."""
         remark("measuring start-up ...")
         taken = {}
         for name in self.present():
@@ -131,7 +131,7 @@ def arguments(given: list[str]) -> argparse.Namespace:
     parser.add_argument("--quick", action="store_true", help="few rounds and trajectories: a look, not a measurement")
     parser.add_argument("--only", nargs="+", choices=PEERS, default=list(PEERS), metavar="NAME", help=", ".join(PEERS))
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write everything measured there")
-    parser.add_argument("--python", help="Python to set the peers up with (V-BAR wants 3.12 or newer)")
+    parser.add_argument("--python", help="Python to set the peers up with (V-BAR needs 3.12 or newer)")
     return parser.parse_args(given)
 
 

@@ -41,7 +41,7 @@ def seconds(action: Callable[[], object]) -> float:
 
 
 def shell(*command: str) -> Callable[[], object]:
-    """Give a call that runs a command as a user would, its output thrown away."""
+    """Give a call that runs a command as a user would, its output discarded."""
     return lambda: subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 

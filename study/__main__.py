@@ -53,7 +53,7 @@ class Size:
 
 
 SMALL = Size(30, 8, 2, 200, 50, 30, 8, 20, 200, 40, 50, 30, 16, 3, 20)
-"""A trial of the whole study; its numbers mean nothing."""
+"""A trial of the whole study, with too few runs for any conclusion."""
 
 
 def main() -> None:

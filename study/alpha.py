@@ -67,7 +67,7 @@ def _with(scenario: Scenario, alpha: float) -> Scenario:
 
 
 def draw(found: dict[str, Any], title: str, path: Path) -> list[Path]:
-    """Draw the mean capture time over α: of every search, and of the given gains."""
+    """Plot the mean capture time over α: of every search, and of the given gains."""
     with styled():
         figure = new_figure(6.0, 3.4)
         axes = figure.subplots()

@@ -8,8 +8,8 @@ from typing import Any
 
 from detumble.analysis.comparing.entries import Entry, entries_of
 from detumble.analysis.tuning.pareto import pareto_front
+from detumble.show.axes import label_decades
 from detumble.show.style import look, new_figure, save, styled
-from study.axes import plain_log
 from study.cases import Case
 
 SEED = 0
@@ -39,7 +39,7 @@ def _front(case: Case, entry: Entry, budget: int, starts: int) -> dict[str, Any]
 
 
 def draw(found: Mapping[str, Mapping[str, Any]], cases: Sequence[Case], path: Path) -> list[Path]:
-    """Draw the fronts, a panel for each scenario."""
+    """Plot the fronts, a panel for each scenario."""
     with styled():
         figure = new_figure(3.6 * len(found), 4.2)
         panels = figure.subplots(1, len(found), squeeze=False)[0]
@@ -59,7 +59,9 @@ def draw(found: Mapping[str, Mapping[str, Any]], cases: Sequence[Case], path: Pa
                     label=entry.name,
                     drawstyle="steps-post",
                 )
-            plain_log(axes)
+            axes.set(xscale="log", yscale="log")
+            for axis in (axes.xaxis, axes.yaxis):
+                label_decades(axis)
             axes.set(title=case.title, xlabel=LABELS[case.objective])
             axes.margins(x=0.04)
         panels[0].set_ylabel("mean Δv to capture [m/s]")

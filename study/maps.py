@@ -19,8 +19,8 @@ from detumble.analysis.tuning.objective import Objective
 from detumble.analysis.tuning.tuner import tune
 from detumble.scenario import Scenario
 from detumble.scenario.laws import LAWS, REGISTER, TITLES, Form
+from detumble.show.axes import label_decades
 from detumble.show.style import new_figure, save, styled
-from study.axes import plain_log
 from study.cases import on_spheres, with_laws_of
 
 SEED, HELD_OUT = 23, 24
@@ -82,7 +82,7 @@ def _bounds(scenario: Scenario, runs: int) -> Array:
 
 
 def draw(found: Mapping[str, Any], title: str, path: Path) -> list[Path]:
-    """Draw success above and ratio to the bound below, one column a law."""
+    """Plot success above and ratio to the bound below, one column a law."""
     grids, distances = found["laws"], np.array(found["distance_m"])
     with styled():
         figure = new_figure(2.3 * len(grids) + 1.0, 5.0)
@@ -112,7 +112,9 @@ def draw(found: Mapping[str, Any], title: str, path: Path) -> list[Path]:
             panels[1][column].set_xlabel("tumble rate [°/s]")
             panels[1][column].set_facecolor("#B0B0B0")
             for row in (0, 1):
-                plain_log(panels[row][column])
+                panels[row][column].set(xscale="log", yscale="log")
+                for axis in (panels[row][column].xaxis, panels[row][column].yaxis):
+                    label_decades(axis)
                 panels[row][column].grid(visible=False)
         for row, (mesh, label) in enumerate(
             ((success, "captures within 300 s [%]"), (slowness, "median capture time / bound"))

@@ -56,7 +56,7 @@ def _share(pursuit: Pursuit, start: Array, directions: Array, distance: float, s
 
 
 def draw(found: dict[str, Any], path: Path) -> list[Path]:
-    """Draw the shares over the distance."""
+    """Plot the shares over the distance."""
     with styled():
         figure = new_figure(6.5, 3.2)
         axes = figure.subplots()

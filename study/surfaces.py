@@ -58,7 +58,7 @@ def _after(time: Array, error: Array, level: float) -> float | None:
 
 
 def draw(found: dict[str, Any], path: Path) -> list[Path]:
-    """Draw the error over time, logarithmic."""
+    """Plot the error over time, logarithmic."""
     from detumble.show.style import look
 
     with styled():

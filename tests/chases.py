@@ -41,10 +41,10 @@ def start(r=(0, 0, 0), v=(0, 0, 0), q=STILL, w=(0, 0, 0), debris_q=STILL, debris
     return np.concatenate([np.array(part, float) for part in (r, v, q, w, debris_q, debris_w)])
 
 
-def random_starts(dice, count, distance, drift):
-    away = dice.standard_normal((count, 3))
-    away *= (dice.uniform(0.2, 1.0, count) * distance / np.linalg.norm(away, axis=1))[:, None]
-    return [start(r, v) for r, v in zip(away, drift * dice.uniform(-1, 1, (count, 3)), strict=True)]
+def random_starts(rng, count, distance, drift):
+    away = rng.standard_normal((count, 3))
+    away *= (rng.uniform(0.2, 1.0, count) * distance / np.linalg.norm(away, axis=1))[:, None]
+    return [start(r, v) for r, v in zip(away, drift * rng.uniform(-1, 1, (count, 3)), strict=True)]
 
 
 def motion(n=N):

@@ -50,7 +50,7 @@ class Check:
     faults: list[str] = field(default_factory=list)
 
     def hold(self, name: str, value: float, allowed: float) -> None:
-        """Note a figure; beyond what is allowed it is a fault, as is one that is not a number."""
+        """Record a figure; one beyond the tolerance, or not finite, is a fault."""
         self.figures[name] = value
         if not value <= allowed:
             self.faults.append(f"{name}: {value:.2g}, allowed {allowed:.2g}")
@@ -97,7 +97,7 @@ def disturbance(noisy: Mapping[str, Array], still: Mapping[str, Array]) -> dict[
         "velocity": ((with_noise[:, 3:6] - without[:, 3:6]) ** 2).mean(axis=1),
         "attitude": angles(with_noise[:, 6:10], without[:, 6:10]) ** 2,
         "rate": ((with_noise[:, 10:13] - without[:, 10:13]) ** 2).mean(axis=1),
-        "capture": np.round(noisy["capture_time"] - still["capture_time"], 6),  # whole ticks, whoever counts them
+        "capture": np.round(noisy["capture_time"] - still["capture_time"], 6),  # whole ticks
     }
 
 

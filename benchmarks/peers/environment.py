@@ -19,7 +19,7 @@ UV = FOLDER.parents[1] / ".tools/bin/uv"
 VENV = FOLDER / ".venv"
 REQUIREMENTS = FOLDER / "requirements.txt"
 NEWER = ("python3.12", "python3.13", "python3.14")
-"""V-BAR wants one of these; the other peers run on detumble's Python too."""
+"""V-BAR needs one of these; the other peers run on detumble's Python too."""
 MEASURED = ("bsk==", "jax==", "numba==", "numpy==", "scipy==", "vbar==")
 
 
@@ -54,7 +54,7 @@ def peers_python(asked: str | None) -> Path:
 
 
 def _runs(name: str) -> bool:
-    """Tell whether a Python is there and starts: a shim of a version manager may do no more than complain."""
+    """Tell whether a Python is there and starts: a shim of a version manager may only print an error."""
     found = shutil.which(name)
     return found is not None and subprocess.run([found, "-c", ""], capture_output=True, check=False).returncode == 0
 

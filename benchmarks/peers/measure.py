@@ -172,7 +172,7 @@ def fly_starts(runs: int, peer: Peer, call: str) -> tuple[float, int | None]:
     return answer.seconds, answer.peak_bytes
 
 
-# A process of its own, small and started anew, so that the peak it is told of is the command's: on Linux a child begins
+# A process of its own, small and started anew, so that the peak it measures is the command's: on Linux a child begins
 # with the peak of the process that started it.
 LAUNCHER = """
 import json, resource, subprocess, sys, time
@@ -213,7 +213,7 @@ def campaign(runs: int, folder: Path) -> tuple[float, int | None]:
         text=True,
         check=True,
     )
-    told = json.loads(launched.stdout)
-    if told["code"]:
-        raise PeerFailed(told["said"] or f"exit code {told['code']}")
-    return told["seconds"], told["peak_bytes"]
+    result = json.loads(launched.stdout)
+    if result["code"]:
+        raise PeerFailed(result["said"] or f"exit code {result['code']}")
+    return result["seconds"], result["peak_bytes"]

@@ -1,4 +1,4 @@
-"""Talking to a peer that runs in a process of its own, so that the failure of one stops no other."""
+"""Exchange with a peer that runs in a process of its own, so that the failure of one stops no other."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FOLDER = Path(__file__).parent
 
 
 class PeerFailed(Exception):
-    """A peer that cannot be run here, or not so; the message is the last thing that it said."""
+    """A peer that cannot be run here, or not so; the message is its last line of output."""
 
 
 @dataclass(frozen=True)

@@ -232,7 +232,7 @@ def calls_of(case: dict[str, Any]) -> dict[str, Fly]:
         return {"final_state": np.array([flown(start, None, False)[0] for start in starts])}
 
     def montecarlo(starts: Array, noisy: bool, seed: int) -> dict[str, Array]:
-        """Where the flights start, its own dispersions say; it keeps nothing of them."""
+        """Where the flights start, its own dispersions say; nothing of them is kept."""
         given = {"case": case, "start": starts[0].tolist(), "seed": seed if noisy else None}
         os.environ["PEER_CASE"] = json.dumps(given)
         execute(dispersed())  # compiles the law; the Controller's processes are forks of this one

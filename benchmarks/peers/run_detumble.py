@@ -1,4 +1,4 @@
-"""Workload W in detumble, through the same protocol as its peers; `free` leaves the law away."""
+"""Workload W in detumble, through the same protocol as its peers; `free` flies without a law."""
 
 from __future__ import annotations
 

@@ -21,23 +21,23 @@ def calls_of(case: dict[str, Any]) -> dict[str, Fly]:
     w = Workload.of(case)
     equations = Equations(w, np)
 
-    def fly(starts: Array, noisy: bool, dice: np.random.Generator) -> tuple[Array, Array]:
+    def fly(starts: Array, noisy: bool, generator: np.random.Generator) -> tuple[Array, Array]:
         y = tuple(starts.T.copy())
         time = np.full(len(starts), np.nan)
         z = np.zeros((9, len(starts)))
         for k in range(w.periods):
             time[np.isnan(time) & equations.captured(y)] = k * w.period
             if noisy:
-                dice.standard_normal(out=z)
+                generator.standard_normal(out=z)
             y = equations.step(y, *equations.command(y, tuple(z)))
         time[np.isnan(time) & equations.captured(y)] = w.periods * w.period
         return np.stack(y, axis=1), time
 
     def call(starts: Array, noisy: bool, seed: int) -> dict[str, Array]:
         blocks = [starts[i : i + BLOCK] for i in range(0, len(starts), BLOCK)]
-        dice = np.random.default_rng(seed).spawn(len(blocks))
+        generator = np.random.default_rng(seed).spawn(len(blocks))
         with np.errstate(divide="ignore"):  # log 0 of a trajectory exactly on its surface
-            flown = [fly(block, noisy, own) for block, own in zip(blocks, dice, strict=True)]
+            flown = [fly(block, noisy, own) for block, own in zip(blocks, generator, strict=True)]
         ends, times = zip(*flown, strict=True)
         return {"final_state": np.concatenate(ends), "capture_time": np.concatenate(times)}
 

@@ -96,14 +96,14 @@ class Flight:
         torque = self.chaser * self.sliding(w.rotation, tilt, spin) + cross(rate, self.chaser * rate)
         return np.clip(force, -w.force_limit, w.force_limit) / w.mass, np.clip(torque, -w.torque_limit, w.torque_limit)
 
-    def fly(self, y: Array, dice: np.random.Generator | None) -> tuple[Array, float]:
+    def fly(self, y: Array, generator: np.random.Generator | None) -> tuple[Array, float]:
         """Give the final state and the capture time, NaN where there was none."""
         w, time = self.w, math.nan
         for k in range(w.periods + 1):
             if math.isnan(time) and self.captured(y):
                 time = k * w.period
             if k < w.periods:
-                z = dice.standard_normal(9) if dice else np.zeros(9)
+                z = generator.standard_normal(9) if generator else np.zeros(9)
                 y = solve_ivp(self.slope, (0.0, w.period), y, args=self.command(y, z), **TOLERANCE).y[:, -1]
                 y[6:10] /= np.linalg.norm(y[6:10])
                 y[13:17] /= np.linalg.norm(y[13:17])
@@ -115,8 +115,8 @@ def calls_of(case: dict[str, Any]) -> dict[str, Fly]:
     flight = Flight(Workload.of(case))
 
     def call(starts: Array, noisy: bool, seed: int) -> dict[str, Array]:
-        dice = np.random.default_rng(seed) if noisy else None
-        flown = [flight.fly(start, dice) for start in starts]
+        generator = np.random.default_rng(seed) if noisy else None
+        flown = [flight.fly(start, generator) for start in starts]
         ends, times = zip(*flown, strict=True)
         return {"final_state": np.array(ends), "capture_time": np.array(times)}
 

@@ -60,7 +60,7 @@ def serve(calls_of: Callable[[dict[str, Any]], dict[str, Fly]]) -> None:
 
 
 def peak_bytes() -> int | None:
-    """Give the most memory that this process, or the largest of those it has ended, has held; None where nobody says.
+    """Give the most memory that this process, or the largest of those it has ended, has held; None where it is unknown.
 
     For the process itself getrusage would not do: on Linux it starts with the peak of the one that started it.
     """

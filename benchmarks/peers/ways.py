@@ -1,4 +1,4 @@
-"""The register: who is measured, in which ways, and how well each must agree with detumble."""
+"""The register of peers: the ways in which each is measured, and how well each must agree with detumble."""
 
 from __future__ import annotations
 

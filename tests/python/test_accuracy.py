@@ -55,13 +55,13 @@ def test_the_closed_form_solves_eulers_equations(moments: tuple[float, ...]) -> 
 
 
 def test_the_estimate_bounds_the_error_and_is_not_far_off(script: Any) -> None:
-    dice = np.random.default_rng(7)
+    rng = np.random.default_rng(7)
     excess = []
     for _ in range(60):
-        second = 10.0 ** dice.uniform(-2.0, 0.0, 3)  # principal second moments of mass: any body has some
+        second = 10.0 ** rng.uniform(-2.0, 0.0, 3)  # principal second moments of mass: any body has some
         inertia = tuple((second.sum() - second).tolist())
-        turn, time = 10.0 ** dice.uniform(-1.5, -0.6), float(dice.choice([10.0, 60.0, 600.0]))
-        rate = dice.normal(size=3)
+        turn, time = 10.0 ** rng.uniform(-1.5, -0.6), float(rng.choice([10.0, 60.0, 600.0]))
+        rate = rng.normal(size=3)
         found = script.measure(inertia, rate * 2.0 / np.linalg.norm(rate), turn / 2.0, time)
         if script.RESOLVED < found.error < 0.3:
             assert found.error < found.estimate, (inertia, rate)

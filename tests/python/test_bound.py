@@ -29,20 +29,20 @@ def first_tick(seconds):
     return math.ceil(seconds / PERIOD - 1e-6) * PERIOD
 
 
-def directions(dice, count, size):
-    vectors = dice.standard_normal((count, size))
+def directions(rng, count, size):
+    vectors = rng.standard_normal((count, size))
     return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
-def random_starts(dice, count, distance, drift=0.0, tumble_rate=0.1, spin=0.0):
+def random_starts(rng, count, distance, drift=0.0, tumble_rate=0.1, spin=0.0):
     return np.hstack(
         (
-            dice.uniform(-distance, distance, (count, 3)),
-            drift * dice.standard_normal((count, 3)),
-            directions(dice, count, 4),
-            spin * dice.standard_normal((count, 3)),
-            directions(dice, count, 4),
-            directions(dice, count, 3) * dice.uniform(0.0, tumble_rate, (count, 1)),
+            rng.uniform(-distance, distance, (count, 3)),
+            drift * rng.standard_normal((count, 3)),
+            directions(rng, count, 4),
+            spin * rng.standard_normal((count, 3)),
+            directions(rng, count, 4),
+            directions(rng, count, 3) * rng.uniform(0.0, tumble_rate, (count, 1)),
         )
     )
 
@@ -161,16 +161,16 @@ def test_from_20_m_the_bound_lies_below_the_true_optimum_where_the_double_integr
 
 @pytest.mark.parametrize("speed", [math.inf, 0.03])
 def test_bound_is_within_a_tick_or_a_percent_of_linear_programmes(speed):
-    dice = np.random.default_rng(3)
+    rng = np.random.default_rng(3)
     problem = replace(BASE, speed=speed)
-    for row in random_starts(dice, 6, 8.0, drift=0.05):
+    for row in random_starts(rng, 6, 8.0, drift=0.05):
         bound = minimum_times(problem, row).translation
         best = optimum(problem, row[:6], bound)
         assert bound <= best <= 1.01 * bound + PERIOD
 
 
 def test_support_bounds_the_integral_and_its_point_is_reached():
-    dice = np.random.default_rng(4)
+    rng = np.random.default_rng(4)
     reach, ticks = Reach(N, np.array([A, 2 * A, 0.5 * A]), 1.0), 300
     reach.extend(ticks)
     fine = (np.arange(ticks * 200) + 0.5) / 200
@@ -182,7 +182,7 @@ def test_support_bounds_the_integral_and_its_point_is_reached():
     vv = [[c, 2 * s, zero], [-2 * s, 4 * c - 3, zero], [zero, zero, c]]
     kernel = np.array(rv + vv)
     for _ in range(20):
-        d = dice.standard_normal(6) * np.repeat([1.0, 100.0], 3)
+        d = rng.standard_normal(6) * np.repeat([1.0, 100.0], 3)
         exact = np.abs(np.einsum("i,ijt->jt", d, kernel)).sum(axis=1) @ reach.acceleration / 200
         upper = reach.support(d, ticks, ticks)[0]
         assert exact - 1e-4 * exact / 200 <= upper <= exact * (1 + 1e-5) + 1e-9
@@ -194,18 +194,18 @@ def expm_row(seconds):
 
 
 def test_random_controls_never_beat_the_bound():
-    dice = np.random.default_rng(5)
+    rng = np.random.default_rng(5)
     drift, push = hcw_step()
     for speed in (math.inf, 0.05):
         problem = replace(BASE, speed=speed)
-        starts = random_starts(dice, 40, 1.5, drift=0.05)
+        starts = random_starts(rng, 40, 1.5, drift=0.05)
         bounds = np.array([minimum_times(problem, row).translation for row in starts])
         state = np.repeat(starts[:, :6], 50, axis=0)
         limit = np.repeat(bounds, 50)
         # bang-bang towards the goal with random switching times and signs, and constants
         goal_side = -np.sign(state[:, :3] - problem.goal)
-        switches = dice.uniform(0.0, 1.5, (len(state), 3)) * limit[:, None]
-        level = np.where(dice.random((len(state), 3)) < 0.8, 1.0, dice.uniform(-1, 1, (len(state), 3)))
+        switches = rng.uniform(0.0, 1.5, (len(state), 3)) * limit[:, None]
+        level = np.where(rng.random((len(state), 3)) < 0.8, 1.0, rng.uniform(-1, 1, (len(state), 3)))
         for tick in range(round(float(limit.max()) / PERIOD)):
             inside = np.linalg.norm(state[:, :3] - problem.goal, axis=1) < problem.distance
             inside &= np.linalg.norm(state[:, 3:], axis=1) < problem.speed
@@ -215,8 +215,8 @@ def test_random_controls_never_beat_the_bound():
 
 
 def test_more_force_or_torque_never_takes_longer():
-    dice = np.random.default_rng(6)
-    starts = random_starts(dice, 30, 5.0, drift=0.02, spin=0.1)
+    rng = np.random.default_rng(6)
+    starts = random_starts(rng, 30, 5.0, drift=0.02, spin=0.1)
     weak = minimum_capture_times(BASE, starts)
     strong = minimum_capture_times(replace(BASE, acceleration=np.full(3, 1.5 * A), torque=np.full(3, 0.02)), starts)
     assert (strong <= weak).all()
@@ -266,19 +266,19 @@ def test_numeric_single_axis_slew_of_the_paper_chaser_does_not_beat_it(axis, ang
     "inertia", [np.diag([0.1, 0.1, 0.05]), np.array([[0.1, 0.02, 0.01], [0.02, 0.07, -0.01], [0.01, -0.01, 0.06]])]
 )
 def test_torques_that_try_never_meet_a_tumbling_debris_before_the_bound(inertia):
-    dice = np.random.default_rng(7)
+    rng = np.random.default_rng(7)
     limit = 0.01
     pursuit = replace(BASE, chaser_inertia=inertia, torque=np.full(3, limit), angle=0.35, rate=0.05)
     inverse, substeps, ticks = np.linalg.inv(inertia), 4, 150
     h = PERIOD / substeps
     earliest = []
     for _ in range(12):
-        row = random_starts(dice, 1, 1.0, tumble_rate=0.3, spin=0.15)[0]
+        row = random_starts(rng, 1, 1.0, tumble_rate=0.3, spin=0.15)[0]
         targets, rates = tumble(BASE.debris_inertia, row[13:17], row[17:], PERIOD, ticks)
         shut = excluded(pursuit, row[6:10], row[10:13], targets, rates, 0)
         # 60 laws at once: PD on the error with random, mostly violent gains, saturated per axis
         q, w = np.tile(row[6:10], (60, 1)), np.tile(row[10:13], (60, 1))
-        kp, kd = 10 ** dice.uniform(-2, 2, (60, 1)), 10 ** dice.uniform(-2, 2, (60, 1))
+        kp, kd = 10 ** rng.uniform(-2, 2, (60, 1)), 10 ** rng.uniform(-2, 2, (60, 1))
         for tick in range(ticks + 1):
             error = multiply(conjugate(targets[tick]), q)
             error *= np.sign(error[:, :1])

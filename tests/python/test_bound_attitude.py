@@ -34,9 +34,9 @@ def unit(vectors):
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
 
 
-def random_start(dice, spin=0.05, tumble_rate=0.1):
-    debris_w = unit(dice.standard_normal(3)) * dice.uniform(0.0, tumble_rate)
-    return start(unit(dice.standard_normal(4)), spin * dice.standard_normal(3), unit(dice.standard_normal(4)), debris_w)
+def random_start(rng, spin=0.05, tumble_rate=0.1):
+    debris_w = unit(rng.standard_normal(3)) * rng.uniform(0.0, tumble_rate)
+    return start(unit(rng.standard_normal(4)), spin * rng.standard_normal(3), unit(rng.standard_normal(4)), debris_w)
 
 
 def about(axis, angle):
@@ -143,13 +143,13 @@ def test_a_dwell_is_waited_for():
 
 def test_twist_gains_no_more_than_the_area_that_the_axis_sweeps():
     # the lemma behind the bound, on paths of the z axis that cone and wander; a closed cone attains it
-    dice = np.random.default_rng(0)
+    rng = np.random.default_rng(0)
     steps, nearest = 200, 0.0
     for _ in range(60):
         time = np.arange(steps) / steps
-        heading = dice.uniform(-20.0, 20.0) * time + dice.choice([0.0, 1.0]) * np.sin(3.0 * time)
-        length = dice.uniform(0.2, 3.1)
-        along = dice.choice([0.0, 1.0]) * dice.uniform(-8.0, 8.0)
+        heading = rng.uniform(-20.0, 20.0) * time + rng.choice([0.0, 1.0]) * np.sin(3.0 * time)
+        length = rng.uniform(0.2, 3.1)
+        along = rng.choice([0.0, 1.0]) * rng.uniform(-8.0, 8.0)
         w = np.stack((length * np.cos(heading), length * np.sin(heading), np.full(steps, along)), axis=1)
         half = 0.5 * np.linalg.norm(w, axis=1, keepdims=True) / steps
         turns = np.hstack((np.cos(half), np.sin(half) * unit(w)))
@@ -168,15 +168,15 @@ def test_twist_gains_no_more_than_the_area_that_the_axis_sweeps():
 @pytest.mark.parametrize("inertia", [BASE.chaser_inertia, UNEVEN])
 def test_what_some_torque_reaches_is_never_excluded_before_it_is_reached(inertia):
     # the debris is a sphere that arrives where random, mostly violent torques take the chaser, just then
-    dice = np.random.default_rng(11)
+    rng = np.random.default_rng(11)
     tightest = math.inf
     for _ in range(30):
-        end = dice.uniform(1.0, 7.0)
-        switches = np.sort(dice.uniform(0.0, end, 3))
-        signs = np.sign(dice.standard_normal((4, 3)))
-        signs[2:] = -signs[:2][::-1] if dice.random() < 0.7 else signs[2:]  # mostly brake again
+        end = rng.uniform(1.0, 7.0)
+        switches = np.sort(rng.uniform(0.0, end, 3))
+        signs = np.sign(rng.standard_normal((4, 3)))
+        signs[2:] = -signs[:2][::-1] if rng.random() < 0.7 else signs[2:]  # mostly brake again
         times = np.concatenate(([0.0], switches, [end]))
-        row = random_start(dice, spin=dice.choice([0.0, 0.1, 0.3]))
+        row = random_start(rng, spin=rng.choice([0.0, 0.1, 0.3]))
         q, w = fly(inertia, row[6:10], row[10:13], times, 0.01 * signs)
         problem = replace(BASE, chaser_inertia=inertia, debris_inertia=np.eye(3), angle=0.02, rate=0.01)
         row[13:17] = tumble(np.eye(3), q[-1], -w[-1], end, 1)[0][1]
@@ -189,16 +189,16 @@ def test_what_some_torque_reaches_is_never_excluded_before_it_is_reached(inertia
 
 @pytest.mark.parametrize("inertia", [BASE.chaser_inertia, UNEVEN])
 def test_laws_that_try_never_meet_a_tumbling_debris_before_the_bound(inertia):
-    dice = np.random.default_rng(7)
+    rng = np.random.default_rng(7)
     inverse, h, count = np.linalg.inv(inertia), 0.02, 60
     problem = replace(BASE, chaser_inertia=inertia)
     met_by_any = 0
     for _ in range(7):
-        row = random_start(dice, spin=0.15, tumble_rate=0.3)
+        row = random_start(rng, spin=0.15, tumble_rate=0.3)
         bound = earliest_attitude(problem, row)
         targets, rates = tumble(BASE.debris_inertia, row[13:17], row[17:], h, 500)
         q, w = np.tile(row[6:10], (count, 1)), np.tile(row[10:13], (count, 1))
-        kp, kd = 10 ** dice.uniform(-2, 2, (count, 1)), 10 ** dice.uniform(-2, 2, (count, 1))
+        kp, kd = 10 ** rng.uniform(-2, 2, (count, 1)), 10 ** rng.uniform(-2, 2, (count, 1))
         for tick in range(501):
             error = multiply(conjugate(targets[tick]), q)
             error *= np.sign(error[:, :1])
@@ -219,9 +219,9 @@ def test_laws_that_try_never_meet_a_tumbling_debris_before_the_bound(inertia):
 
 
 def test_more_torque_or_wider_thresholds_never_take_longer():
-    dice = np.random.default_rng(3)
+    rng = np.random.default_rng(3)
     for _ in range(10):
-        row = random_start(dice)
+        row = random_start(rng)
         bound = earliest_attitude(BASE, row)
         assert earliest_attitude(replace(BASE, torque=np.full(3, 0.015)), row) <= 1.001 * bound
         assert earliest_attitude(replace(BASE, angle=0.5, rate=0.08), row) <= 1.001 * bound
@@ -232,10 +232,10 @@ def test_more_torque_or_wider_thresholds_never_take_longer():
 
 @pytest.mark.parametrize("inertia", [BASE.chaser_inertia, UNEVEN])
 def test_slews_do_what_they_say_when_flown_by_rotation_matrices(inertia):
-    dice = np.random.default_rng(22)
+    rng = np.random.default_rng(22)
     problem = replace(BASE, chaser_inertia=inertia)
     for _ in range(2):
-        row = random_start(dice)
+        row = random_start(rng)
         bound = attitude_bound(problem, row)
         assert 0.0 < bound.lower <= bound.upper < 2.0 * bound.lower
         assert bound.slew.times[-1] == bound.upper
@@ -254,8 +254,9 @@ def test_the_same_start_gives_the_same_bits():
 
 def test_no_slew_is_claimed_before_the_lower_bound():
     row = start(debris_q=about(0, 2.0))
-    assert slew_at_tick(BASE, row, math.floor(earliest_attitude(BASE, row) / BASE.period)) is None
-    assert slew_at_tick(replace(BASE, dwell_ticks=5), start(), 4) is None
+    least = earliest_attitude(BASE, row)
+    assert slew_at_tick(BASE, row, math.floor(least / BASE.period), least) is None
+    assert slew_at_tick(replace(BASE, dwell_ticks=5), start(), 4, 0.0) is None
 
 
 def test_a_dwell_longer_than_the_flight_leaves_no_attitude_to_hold():
@@ -263,7 +264,7 @@ def test_a_dwell_longer_than_the_flight_leaves_no_attitude_to_hold():
     assert bound.lower == bound.upper == math.inf
 
 
-def test_casadi_missing_is_said(monkeypatch):
+def test_casadi_missing_is_reported(monkeypatch):
     monkeypatch.setitem(sys.modules, "casadi", None)
     with pytest.raises(RequestError, match=r"pip install 'detumble\[bounds\]'"):
         attitude_bound(BASE, start(debris_q=about(0, 1.0)))
@@ -283,7 +284,7 @@ def test_the_simulator_flies_slews_into_the_thresholds(dwell, later):
     lead = earliest_attitude(pursuit, row)
     first = first_slew(pursuit, row, math.ceil(attitude_bound(pursuit, row).upper / pursuit.period - 1e-9))
     assert lead <= first.times[-1] < 1.5 * lead + 0.1
-    for slew in (first, slew_at_tick(pursuit, row, len(first.torque) + later)):
+    for slew in (first, slew_at_tick(pursuit, row, len(first.torque) + later, lead)):
         tick = len(slew.torque)
         rows = [
             {"start": tick_ * 0.1, "end": (tick_ + 1) * 0.1, "frame": "body", "torque": tuple(torque)}

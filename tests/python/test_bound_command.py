@@ -121,15 +121,15 @@ def test_grasp_points_meet_in_the_capture_behind_the_upper_bound():
 
 
 def test_no_gains_whatever_beat_the_bounds_in_200_random_starts():
-    dice = np.random.default_rng(17)
+    rng = np.random.default_rng(17)
     count = 200
     starts = np.zeros((count, 20))
-    starts[:, :3] = dice.uniform(-2.0, 2.0, (count, 3))
-    starts[:, 3:6] = 0.02 * dice.standard_normal((count, 3))
+    starts[:, :3] = rng.uniform(-2.0, 2.0, (count, 3))
+    starts[:, 3:6] = 0.02 * rng.standard_normal((count, 3))
     for first in (6, 13):
-        attitude = dice.standard_normal((count, 4))
+        attitude = rng.standard_normal((count, 4))
         starts[:, first : first + 4] = attitude / np.linalg.norm(attitude, axis=1, keepdims=True)
-    starts[:, 17:] = 0.05 * dice.standard_normal((count, 3))
+    starts[:, 17:] = 0.05 * rng.standard_normal((count, 3))
     scenario = detumble.load("paper")
     plain = case(scenario, "none")
     pursuit = Pursuit.of(plain)
@@ -141,7 +141,7 @@ def test_no_gains_whatever_beat_the_bounds_in_200_random_starts():
         columns = dict(start_columns(starts))
         for channel in ("translation", "rotation"):
             for name in names:
-                columns[f"law.before.{channel}.{name}"] = np.repeat(10.0 ** dice.uniform(-2, 1, (count, 1)), 3, axis=1)
+                columns[f"law.before.{channel}.{name}"] = np.repeat(10.0 ** rng.uniform(-2, 1, (count, 1)), 3, axis=1)
         flown = _core.fly_many(case(scenario, law), columns, count, seed=3, threads=2)
         times, fuel = flown["capture_time"], flown["delta_v_to_capture"]
         captured = np.isfinite(times)

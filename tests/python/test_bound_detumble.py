@@ -99,13 +99,13 @@ def test_no_admissible_capture_leaves_less_to_do(name, extra):
         numbers["chaser"]["mass"] * numbers["debris"]["mass"] / (numbers["chaser"]["mass"] + numbers["debris"]["mass"])
     )
     spin_of_h = np.array([0.0, 0.0, pursuit.mean_motion])
-    dice = np.random.default_rng(5)
+    rng = np.random.default_rng(5)
 
     def within(radius):
-        vector = dice.standard_normal(3)
-        return vector / np.linalg.norm(vector) * radius * dice.choice([1.0, dice.random()])
+        vector = rng.standard_normal(3)
+        return vector / np.linalg.norm(vector) * radius * rng.choice([1.0, rng.random()])
 
-    for tick in dice.integers(0, 1000, 300):
+    for tick in rng.integers(0, 1000, 300):
         to_debris = Rotation.from_rotvec(within(pursuit.angle)).as_matrix()  # D → C
         w_d = to_debris @ rates[tick]
         w_c = w_d + within(pursuit.rate)
@@ -160,11 +160,11 @@ def test_no_law_settles_sooner(name, extra):
 def test_no_run_of_many_settles_sooner_than_its_momentum_lets_it(name):
     scenario = detumble.load(name)
     numbers = case(scenario, "prrl")
-    dice = np.random.default_rng(6)
+    rng = np.random.default_rng(6)
     count = 300
     starts = np.repeat(start_of(numbers)[None, :], count, axis=0)
-    starts[:, :3] += dice.uniform(-0.3, 0.3, (count, 3))
-    starts[:, 17:] = dice.uniform(-0.15, 0.15, (count, 3))
+    starts[:, :3] += rng.uniform(-0.3, 0.3, (count, 3))
+    starts[:, 17:] = rng.uniform(-0.15, 0.15, (count, 3))
     flown = core.fly_many(numbers, start_columns(starts), count, seed=1)
     settled = np.isfinite(flown["settling_time"])
     assert settled.sum() > 50

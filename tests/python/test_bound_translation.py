@@ -205,11 +205,11 @@ def test_bounds_from_both_sides_meet_and_the_transfers_fly(speed, distance):
 
 
 def test_controls_that_try_never_beat_either_bound():
-    dice = np.random.default_rng(6)
+    rng = np.random.default_rng(6)
     over, closest = motion(), []
     for speed in (math.inf, 0.05):
         problem = replace(BASE, speed=speed)
-        for row in random_starts(dice, 8, 4.0, 0.05):
+        for row in random_starts(rng, 8, 4.0, 0.05):
             soonest = translation_bound(problem, row).lower
             within = 1.5 * soonest
             least = delta_v_lower(problem, row, within)
@@ -220,11 +220,11 @@ def test_controls_that_try_never_beat_either_bound():
             burn = (
                 np.abs(row[:3] - problem.goal)
                 / (A * within)
-                * dice.uniform(0.5, 2.0, (tries, 1))
-                * dice.uniform(0.7, 1.3, (tries, 3))
+                * rng.uniform(0.5, 2.0, (tries, 1))
+                * rng.uniform(0.7, 1.3, (tries, 3))
             )
-            brake = within * dice.uniform(0.4, 1.0, (tries, 1))
-            flips = dice.uniform(0.0, 1.2 * within, (tries, 3))
+            brake = within * rng.uniform(0.4, 1.0, (tries, 1))
+            flips = rng.uniform(0.0, 1.2 * within, (tries, 3))
             state, spent = np.tile(row[:6], (tries, 1)), np.zeros(tries)
             for k in range(301):
                 miss = state - np.concatenate((problem.goal, np.zeros(3)))
@@ -266,9 +266,9 @@ def test_certificates_hold_between_the_nodes_and_lose_little(threshold):
     miss = powers @ row[:6] - np.hstack((place, np.cross(spin, place)))
     spread = 2 * math.sin(grasping.angle / 2) * np.linalg.norm(p_chaser)
     speed = grasping.speed + np.linalg.norm(spin, axis=1) * spread + grasping.rate * np.linalg.norm(p_chaser)
-    dice = np.random.default_rng(7)
+    rng = np.random.default_rng(7)
     for _ in range(20):
-        d = dice.standard_normal(6) * np.repeat([0.05, 1.0], 3)
+        d = rng.standard_normal(6) * np.repeat([0.05, 1.0], 3)
         over = np.maximum(np.abs(np.einsum("kis,i->ks", powers[:, :, 3:], d)) - threshold, 0.0) @ grasping.acceleration
         push = np.concatenate(([0.0], np.cumsum(0.5 * h * (over[1:] + over[:-1]))))
         value = miss @ d - push - np.linalg.norm(d[:3]) * (grasping.distance + spread) - np.linalg.norm(d[3:]) * speed

@@ -117,7 +117,7 @@ def test_a_table_for_people_tells_the_same(call: Call, scenario: Path, tmp_path:
     assert lines[-1].startswith(f"{RUNS} runs flown in ")
 
 
-def test_a_campaign_in_which_nothing_happens_is_told_too(call: Call, tmp_path: Path) -> None:
+def test_a_campaign_in_which_nothing_happens_is_reported_too(call: Call, tmp_path: Path) -> None:
     far = ("--set", "chaser.position=[0,900,0]", "time.duration=1.0")
     outcome = call("campaign", "paper", "--runs", 3, "--out", tmp_path / "a", "--json", *far)
     assert outcome.json["capture_time_s"]["p50"] is None

@@ -52,9 +52,9 @@ def ecdf(times: NDArray[np.float64], runs: int) -> Ecdf:
 
 
 def five_laws(runs: int = 4000) -> tuple[dict[str, Ecdf], dict[str, Ecdf]]:
-    dice, captured, settled = np.random.default_rng(3), {}, {}
+    rng, captured, settled = np.random.default_rng(3), {}, {}
     for share, (law, median) in zip((0.9, 0.97, 0.995, 0.93, 1.0), MEDIANS.items(), strict=True):
-        times = median * np.exp(0.3 * dice.normal(size=int(share * runs)))
+        times = median * np.exp(0.3 * rng.normal(size=int(share * runs)))
         captured[law] = ecdf(times, runs)
         settled[law] = ecdf(times[: int(0.98 * len(times))] + 13.0, runs)
     return captured, settled
@@ -62,20 +62,20 @@ def five_laws(runs: int = 4000) -> tuple[dict[str, Ecdf], dict[str, Ecdf]]:
 
 def drawn_runs(runs: int) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
     """Masses, log-uniform tumble rates, the true probability of each run and how it ended."""
-    dice = np.random.default_rng(5)
-    mass, rate = dice.normal(9.0, 0.2, runs), 10.0 ** dice.uniform(-2.0, -0.3, runs)
+    rng = np.random.default_rng(5)
+    mass, rate = rng.normal(9.0, 0.2, runs), 10.0 ** rng.uniform(-2.0, -0.3, runs)
     truth = 1.0 / (1.0 + np.exp(8.0 * (rate - 0.3) + 2.0 * (mass - 9.0)))
-    return mass, rate, truth, dice.random(runs) < truth
+    return mass, rate, truth, rng.random(runs) < truth
 
 
 def flights(count: int = 60, times: int = 1200) -> tuple[NDArray[np.float64], list[Trace]]:
-    dice, time = np.random.default_rng(6), 0.05 * np.arange(times)
-    pace = 10.0 * np.exp(0.4 * dice.normal(size=(count, 1)))
+    rng, time = np.random.default_rng(6), 0.05 * np.arange(times)
+    pace = 10.0 * np.exp(0.4 * rng.normal(size=(count, 1)))
     over = time > np.clip(3.0 * pace, 0.0, None)
     sizes = {"distance to the goal [m]": 3.0, "attitude error [°]": 120.0, "relative rate [rad/s]": 0.15}
     traces = []
     for label, size in sizes.items():
-        values = size * dice.uniform(0.2, 1.0, (count, 1)) * np.exp(-time / (0.6 * pace))
+        values = size * rng.uniform(0.2, 1.0, (count, 1)) * np.exp(-time / (0.6 * pace))
         traces.append(Trace(label, np.where(over, np.nan, values), {f"capture below {size / 6:g}": size / 6}))
     return time, traces
 
@@ -88,8 +88,8 @@ def known(share: float, runs: int) -> Convergence:
 
 
 def influences(outcome: str, fields: list[str], seed: int) -> Sensitivity:
-    dice = np.random.default_rng(seed)
-    found = [Influence(field, dice.exponential(0.1), 0.01, dice.uniform(-0.6, 0.6), 0.01) for field in fields]
+    rng = np.random.default_rng(seed)
+    found = [Influence(field, rng.exponential(0.1), 0.01, rng.uniform(-0.6, 0.6), 0.01) for field in fields]
     return Sensitivity(outcome, 12_000, tuple(sorted(found, key=lambda one: -one.index)), 0.04)
 
 
@@ -295,10 +295,10 @@ def test_a_million_runs_are_few_points(tmp_path: Path) -> None:
 
 
 def test_the_map_shows_the_share_of_each_cell_and_hatches_what_few_runs_tell() -> None:
-    dice = np.random.default_rng(4)
-    x = dice.uniform(0.3, 0.5, 5000)
-    y = x + 0.02 * dice.normal(size=5000)
-    success = dice.random(5000) < 0.7
+    rng = np.random.default_rng(4)
+    x = rng.uniform(0.3, 0.5, 5000)
+    y = x + 0.02 * rng.normal(size=5000)
+    success = rng.random(5000) < 0.7
     with styled():
         axes = plot_success_map(x, y, success, LABELS, caption(5000)).get_axes()[0]
     across, up = edges(x)[0], edges(y)[0]
@@ -338,12 +338,12 @@ def test_the_map_finds_the_probability_that_was_put_in() -> None:
 
 @pytest.mark.parametrize("runs", [2, 60, 1000, 30_000])
 def test_bins_ascend_and_hold_enough_runs(runs: int) -> None:
-    dice = np.random.default_rng(9)
+    rng = np.random.default_rng(9)
     for values in (
-        dice.normal(size=runs),
-        dice.uniform(size=runs),
-        dice.integers(0, 2, runs) * 1.0,
-        dice.pareto(1.0, runs),
+        rng.normal(size=runs),
+        rng.uniform(size=runs),
+        rng.integers(0, 2, runs) * 1.0,
+        rng.pareto(1.0, runs),
     ):
         bounds, _ = edges(values)
         assert (np.diff(bounds) > 0.0).all()

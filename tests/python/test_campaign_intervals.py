@@ -48,13 +48,13 @@ def test_intervals_of_proportions_cover_what_they_promise(p):
 @pytest.mark.parametrize("distribution", ["exponential", "lognormal"])
 def test_intervals_of_quantiles_cover_what_they_promise_whatever_the_distribution(distribution):
     runs, repetitions = 2000, 4000
-    dice = np.random.default_rng(2)
+    rng = np.random.default_rng(2)
     if distribution == "exponential":
-        samples, true = dice.exponential(1.0, (repetitions, runs)), [-math.log1p(-p / 100) for p in PERCENTS]
+        samples, true = rng.exponential(1.0, (repetitions, runs)), [-math.log1p(-p / 100) for p in PERCENTS]
     else:
         normal = {5: -1.6448536269514722, 25: -0.6744897501960817, 50: 0.0, 75: 0.6744897501960817}
         normal |= {95: 1.6448536269514722, 99: 2.3263478740408408}
-        samples, true = dice.lognormal(0.0, 1.0, (repetitions, runs)), [math.exp(normal[p]) for p in PERCENTS]
+        samples, true = rng.lognormal(0.0, 1.0, (repetitions, runs)), [math.exp(normal[p]) for p in PERCENTS]
     samples.sort(axis=1)
     for percent, quantile in zip(PERCENTS, true, strict=True):
         low, high = quantile_ranks(runs, percent / 100)
@@ -177,14 +177,6 @@ def test_histograms_refuse_what_is_no_magnitude(bad):
 def test_times_that_are_no_whole_periods_are_refused(bad):
     with pytest.raises(ValueError, match=r"whole control periods of 0\.1 s"):
         TickHistogram(PERIOD).add(np.array([0.2, bad]))
-
-
-def test_histograms_of_different_kinds_do_not_merge():
-    for one, other in ((TickHistogram(0.1), TickHistogram(0.2)), (TickHistogram(0.1), LogHistogram())):
-        with pytest.raises(ValueError, match="different"):
-            one.merge(other)
-        with pytest.raises(ValueError, match="different"):
-            LogHistogram().merge(one)
 
 
 def test_thinned_distribution_functions_keep_body_and_tail():

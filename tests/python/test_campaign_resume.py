@@ -171,16 +171,16 @@ def killed(nursery: subprocess.Popen[str], flying: int) -> None:
 
 
 def test_killed_at_ten_random_moments_it_still_ends_with_the_same_rows(tmp_path: Path) -> None:
-    dice = random.Random(7)
+    rng = random.Random(7)
     with child(FLYING, tmp_path) as nursery:
         after = shards(tmp_path)
         for _ in range(10):
             before = after
             flying = begun(nursery)
-            more = dice.randrange(4)  # shards, and then a moment in which the next is flown or written
+            more = rng.randrange(4)  # shards, and then a moment in which the next is flown or written
             while len(list(tmp_path.glob("shards/shard-*"))) < len(before) + more:
                 time.sleep(1e-3)
-            time.sleep(dice.uniform(0.0, 0.05))
+            time.sleep(rng.uniform(0.0, 0.05))
             killed(nursery, flying)
             after = shards(tmp_path)
             assert {name: after[name] for name in before} == before
@@ -300,7 +300,7 @@ def test_another_campaign_in_the_folder_is_refused_and_left_alone(reference: Cam
 # --- disks -------------------------------------------------------------------------------------------------------------
 
 
-def test_a_disk_that_is_full_is_told_and_what_is_complete_kept(
+def test_a_disk_that_is_full_is_reported_and_what_is_complete_kept(
     reference: CampaignResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     written, fsync = [], os.fsync

@@ -49,7 +49,9 @@ def test_run_i_is_the_same_however_many_are_flown(reference: CampaignResult, tmp
 
 
 @pytest.mark.parametrize("how", [{"threads": 2}, {"shard": 17}, {"shard": 1000, "threads": 2}], ids=str)
-def test_threads_and_shards_leave_no_trace(reference: CampaignResult, tmp_path: Path, how: dict[str, int]) -> None:
+def test_results_depend_neither_on_threads_nor_on_shards(
+    reference: CampaignResult, tmp_path: Path, how: dict[str, int]
+) -> None:
     assert rows_digest(flown(tmp_path, **how)) == rows_digest(reference)
 
 

@@ -23,7 +23,7 @@ SCENARIO = detumble.load("paper")
 
 @pytest.fixture
 def quick(monkeypatch):
-    """A threshold from fewer dice, where no input is near it."""
+    """A threshold from fewer random columns, where no input is near it."""
     monkeypatch.setattr(sensitivity, "DUMMIES", 20)
 
 
@@ -41,7 +41,7 @@ def table(drawn, success, capture=None):
     return pl.DataFrame(rows | {"capture_time_s": np.where(success, capture, np.nan)})
 
 
-def dice(runs, *fields, seed=1):
+def random_inputs(runs, *fields, seed=1):
     source = np.random.default_rng(seed)
     return {field: source.random(runs) for field in fields}
 
@@ -54,7 +54,7 @@ def named(found):
 
 
 def test_inputs_are_the_columns_that_are_no_results():
-    drawn = dice(10, "chaser.mass", "debris.tumble_rate.x")
+    drawn = random_inputs(10, "chaser.mass", "debris.tumble_rate.x")
     assert drawn_columns(table(drawn, np.ones(10, bool)).columns) == list(drawn)
     assert drawn_columns([INDEX.name, *(column.name for column in RESULTS)]) == []
 
@@ -104,7 +104,7 @@ def test_vectors_get_their_magnitude_and_constants_are_set_aside():
 
 
 def test_indices_of_outcomes_that_follow_one_input_are_those_of_the_closed_form(quick):
-    drawn = dice(2000, "chaser.mass", "debris.mass")
+    drawn = random_inputs(2000, "chaser.mass", "debris.mass")
     failure, capture = sensitivities(table(drawn, drawn["chaser.mass"] < 0.7, 10.0 + drawn["debris.mass"]), SCENARIO)
     # X > 0.7 fails: the distributions of X among failed and successful runs do not overlap
     assert named(failure)["chaser.mass"].index == pytest.approx(1.0, abs=0.02)
@@ -121,7 +121,7 @@ def test_indices_of_outcomes_that_follow_one_input_are_those_of_the_closed_form(
 
 
 def test_failure_index_is_the_total_variation_between_failed_and_successful_runs(quick):
-    drawn = dice(5000, "chaser.mass", "debris.mass", seed=5)
+    drawn = random_inputs(5000, "chaser.mass", "debris.mass", seed=5)
     probability = 1.0 / (1.0 + np.exp(12.0 * (drawn["chaser.mass"] - 0.4)))
     success = np.random.default_rng(6).random(5000) > probability
     failure, _ = sensitivities(table(drawn, success), SCENARIO)
@@ -135,7 +135,7 @@ def test_failure_index_is_the_total_variation_between_failed_and_successful_runs
 
 def test_influences_come_out_in_the_order_of_their_strength(quick):
     fields = [f"laws.prrl.gain{number}" for number in range(6)]
-    drawn = dice(2000, *fields, seed=7)
+    drawn = random_inputs(2000, *fields, seed=7)
     strengths = dict(zip(fields, (4.0, 2.0, 1.0, 0.5, 0.0, 0.0), strict=True))
     score = sum(strength * drawn[field] for field, strength in strengths.items())
     source = np.random.default_rng(8)
@@ -164,7 +164,7 @@ def test_validation_ishigami_inputs_without_correlation_are_found(quick):
 
 
 def test_inputs_without_influence_stay_below_the_threshold():
-    drawn = dice(1000, *(f"chaser.nothing{number}" for number in range(200)), seed=10)
+    drawn = random_inputs(1000, *(f"chaser.nothing{number}" for number in range(200)), seed=10)
     columns = np.stack(list(drawn.values()), axis=-1)
     source = np.random.default_rng(11)
     success = source.random(1000) < 0.9
@@ -191,7 +191,7 @@ def test_confidence_is_the_spread_over_campaigns():
 
 
 def test_failures_as_few_as_allowed_have_a_finite_confidence(quick):
-    drawn = dice(1000, "chaser.mass", "debris.mass", seed=16)
+    drawn = random_inputs(1000, "chaser.mass", "debris.mass", seed=16)
     success = np.arange(1000) % 100 != 0  # all in the same place among tens
     failure, _ = sensitivities(table(drawn, success), SCENARIO)
     assert all(math.isfinite(influence.confidence) for influence in failure.influences)
@@ -226,7 +226,7 @@ def test_the_attitude_error_is_found_where_it_is_what_counts(quick):
 def test_rare_failures_are_taken_from_further_on(monkeypatch, quick):
     monkeypatch.setattr(sensitivity, "RUNS", 2000)
     runs = 40_000
-    drawn = dice(runs, "chaser.mass", "debris.mass", seed=14)
+    drawn = random_inputs(runs, "chaser.mass", "debris.mass", seed=14)
     success = drawn["chaser.mass"] < 0.9975
     rows = table(drawn, success)
     assert np.sum(~success[:2000]) < 10
@@ -241,7 +241,7 @@ def test_rare_failures_are_taken_from_further_on(monkeypatch, quick):
 def test_no_more_than_the_sample_is_read(monkeypatch, quick):
     monkeypatch.setattr(sensitivity, "RUNS", 400)
     monkeypatch.setattr(sensitivity, "FAILURES", 100)
-    drawn = dice(2000, "chaser.mass", seed=15)
+    drawn = random_inputs(2000, "chaser.mass", seed=15)
     rows = table(drawn, np.arange(2000) % 4 != 0, 10.0 + drawn["chaser.mass"])
     found = sensitivities(rows, SCENARIO)
     assert [outcome.runs for outcome in found] == [500, 400]
@@ -260,13 +260,13 @@ def test_no_more_than_the_sample_is_read(monkeypatch, quick):
 )
 def test_too_little_to_go_on_is_said(runs, failures, why):
     success = np.arange(runs) >= failures
-    failure, _ = sensitivities(table(dice(runs, "chaser.mass"), success), SCENARIO)
+    failure, _ = sensitivities(table(random_inputs(runs, "chaser.mass"), success), SCENARIO)
     assert failure.silence == why
     assert (failure.influences, failure.influential, failure.threshold) == ((), (), None)
 
 
 def test_nothing_to_go_on_for_the_capture_time_is_said(quick):
-    drawn = dice(500, "chaser.mass")
+    drawn = random_inputs(500, "chaser.mass")
     _, same = sensitivities(table(drawn, drawn["chaser.mass"] < 0.5), SCENARIO)
     assert same.silence == "all runs captured at the same time"
     _, few = sensitivities(table(drawn, np.arange(500) < 60, 10.0 + drawn["chaser.mass"]), SCENARIO)
@@ -281,7 +281,7 @@ def test_nothing_to_go_on_for_the_capture_time_is_said(quick):
 
 
 def test_the_result_is_the_same_every_time_and_fit_for_json(quick):
-    drawn = dice(500, "chaser.mass", "debris.mass")
+    drawn = random_inputs(500, "chaser.mass", "debris.mass")
     rows = table(drawn, drawn["chaser.mass"] < 0.8, 10.0 + drawn["debris.mass"])
     np.random.seed(0)  # noqa: NPY002 - the state that nothing here may depend on
     first = sensitivities(rows, SCENARIO)
@@ -297,6 +297,6 @@ def test_a_missing_salib_is_said_with_what_installs_it(monkeypatch, quick):
     monkeypatch.setitem(sys.modules, "SALib.analyze.pawn", None)
     with pytest.raises(RequestError, match=r"detumble\[sensitivity\]"):
         sensitivity.pawn()
-    drawn = dice(500, "chaser.mass")
+    drawn = random_inputs(500, "chaser.mass")
     with pytest.raises(RequestError, match=r"detumble\[sensitivity\]"):
         sensitivities(table(drawn, drawn["chaser.mass"] < 0.5), SCENARIO)

@@ -25,22 +25,22 @@ SHARD = 1000
 @functools.cache
 def shard(number, rows=SHARD, success_rate=0.9):
     """A shard of made-up runs, in which failures of all kinds occur and every quantity is missing somewhere."""
-    dice = np.random.default_rng(number)
-    capture = np.round(dice.lognormal(4.0, 0.5, rows)) * PERIOD
-    settling = np.round(dice.lognormal(5.0, 0.8, rows)) * PERIOD
-    success = dice.random(rows) < success_rate
-    causes = dice.choice(CAUSES[:5], rows, p=[0.5, 0.05, 0.2, 0.2, 0.05])
+    rng = np.random.default_rng(number)
+    capture = np.round(rng.lognormal(4.0, 0.5, rows)) * PERIOD
+    settling = np.round(rng.lognormal(5.0, 0.8, rows)) * PERIOD
+    success = rng.random(rows) < success_rate
+    causes = rng.choice(CAUSES[:5], rows, p=[0.5, 0.05, 0.2, 0.2, 0.05])
     never = np.array([cause.startswith("never") for cause in causes]) & ~success
     columns = {
         "index": np.arange(number * SHARD, number * SHARD + rows, dtype=np.uint64),
-        "chaser.mass": dice.normal(9.0, 0.2, rows),
+        "chaser.mass": rng.normal(9.0, 0.2, rows),
         "success": success,
         "failure": [None if good else str(cause) for good, cause in zip(success, causes, strict=True)],
         "end_time_s": np.full(rows, 300.0),
         "diverged_time_s": np.where(success | (causes != "diverged"), np.nan, 1.5),
     }
-    columns |= {name: dice.lognormal(-3.0, 1.0, rows) for name in EXTENTS}
-    columns |= {f"{kind}_saturated_share": dice.random(rows) for kind in ("force", "torque")}
+    columns |= {name: rng.lognormal(-3.0, 1.0, rows) for name in EXTENTS}
+    columns |= {f"{kind}_saturated_share": rng.random(rows) for kind in ("force", "torque")}
     columns["capture_time_s"] = np.where(never, np.nan, capture)
     columns["settling_time_s"] = np.where(success, settling, np.nan)
     columns["capture_tick"] = columns["capture_time_s"] / PERIOD
@@ -72,25 +72,13 @@ def numbers(frames, name):
 # --- a campaign --------------------------------------------------------------------------------------------------------
 
 
-def test_the_order_of_shards_leaves_no_trace_to_the_bit():
+def test_statistics_do_not_depend_on_the_order_of_shards_to_the_bit():
     frames = [shard(number) for number in range(8)]
     expected = everything(counted(frames))
-    dice = np.random.default_rng(6)
+    rng = np.random.default_rng(6)
     for _ in range(3):
-        order = dice.permutation(8)
+        order = rng.permutation(8)
         assert everything(counted(frames[number] for number in order)) == expected
-        cut = int(dice.integers(1, 8))
-        left, right = (counted(frames[number] for number in part) for part in (order[:cut], order[cut:]))
-        left.merge(right)
-        assert everything(left) == expected
-
-
-def test_merging_leaves_the_other_part_as_it_was():
-    left, right = counted([shard(0)]), counted([shard(1)])
-    before = everything(right)
-    left.merge(right)
-    left.add(shard(2))
-    assert everything(right) == before
 
 
 def test_everything_reported_is_what_numpy_finds():
@@ -157,14 +145,10 @@ def test_shards_that_no_campaign_writes_are_refused():
     statistics = counted([shard(3)])
     with pytest.raises(ValueError, match="from run 3000 on was counted before"):
         statistics.add(shard(3))
-    with pytest.raises(ValueError, match="from run 3000 on was counted before"):
-        statistics.merge(counted([shard(2), shard(3)]))
     with pytest.raises(ValueError, match="from run 4000 on has gaps"):
         statistics.add(shard(4).filter(pl.col("index") != 4500))
     with pytest.raises(ValueError, match="0 have a cause"):
         statistics.add(shard(5).with_columns(pl.lit(None, pl.String).alias("failure")))
-    with pytest.raises(ValueError, match="different confidence"):
-        statistics.merge(Statistics(PERIOD, 0.9))
     assert statistics.runs == SHARD
 
 
@@ -277,12 +261,12 @@ def test_flying_until_the_interval_is_narrow_costs_little_coverage():
 
 def test_the_stop_that_was_computed_is_the_stop_that_happens():
     p, width, repetitions = 0.9, 0.011, 1000
-    dice = np.random.default_rng(8)
+    rng = np.random.default_rng(8)
     covered = 0
     for _ in range(repetitions):
         prefixes, flown, successes = Prefixes(0.95), 0, 0
         while prefixes.first_narrow_enough(width) is None:
-            success = dice.random(500) < p
+            success = rng.random(500) < p
             prefixes.add(flown, success)
             flown, successes = flown + 500, successes + int(success.sum())
         assert prefixes.first_narrow_enough(width) == flown

@@ -44,7 +44,7 @@ def test_the_table_is_in_order_whatever_the_engine_and_limited_to_the_runs_asked
     assert runs.lazy().select(pl.col("success").sum()).collect().item() == expected["success"].sum()
 
 
-def test_gaps_are_refused_and_told(store: Store) -> None:
+def test_gaps_are_refused_and_named(store: Store) -> None:
     fly(store, 450)
     store.path(2).unlink()
     store.write(4, frame_of(rows(400, 20)))

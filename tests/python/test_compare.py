@@ -76,7 +76,7 @@ def test_one_law_under_two_names_ties_to_the_bit(small: Comparison) -> None:
 def test_one_law_under_independent_noise_ties_as_a_rule() -> None:
     paper, entry, mistaken = detumble.load("paper"), TWINS[0], 0
     for repetition in range(30):
-        flown = [fly(paper, "prrl", 2 * repetition + place, 150) for place in range(2)]
+        flown = [fly(Trials(paper, 2 * repetition + place, 0, 150), "prrl") for place in range(2)]
         twins = [
             Judged(entry, (), 0, runs, np.minimum(runs.capture_time, 100.0), Verdict.of(runs), Score(False, 0.0))
             for runs in flown

@@ -120,7 +120,7 @@ def test_equal_laws_tie_exactly() -> None:
     assert order(*twins) == ([1, 1], ["a", "a"])
 
 
-def test_exchangeable_laws_are_told_apart_in_at_most_five_of_a_hundred_comparisons() -> None:
+def test_exchangeable_laws_are_distinguished_in_at_most_five_of_a_hundred_comparisons() -> None:
     generator = np.random.default_rng(7)
     repetitions, mistaken, ranked = 300, 0, 0
     for _ in range(repetitions):
@@ -207,7 +207,7 @@ def test_statistics_of_exchangeable_laws_seldom_differ(percentile: float | None)
     assert mistaken <= binom.ppf(0.999, repetitions, 0.05)
 
 
-def test_lucky_search_makes_no_ranking() -> None:
+def test_one_good_search_makes_no_ranking() -> None:
     def luck(*values: float) -> list[Score]:
         return [Score(False, value) for value in values]
 

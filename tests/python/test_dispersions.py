@@ -96,7 +96,7 @@ def test_a_single_flight_is_that_of_the_nominal_values(paper: Scenario) -> None:
     assert case(given(paper, ALL, [GROUP]), "prrl") == case(paper, "prrl")
 
 
-def test_the_schema_asks_for_the_distribution_and_tells_units() -> None:
+def test_the_schema_requires_the_distribution_and_has_units() -> None:
     schema = Scenario.schema()
     choices = schema["properties"]["dispersions"]["items"]["discriminator"]["mapping"]
     assert set(choices) == {"normal", "truncated_normal", "uniform", "log_uniform", "direction", "attitude", "inertia"}

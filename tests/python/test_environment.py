@@ -149,7 +149,7 @@ def test_a_number_of_threads_that_polars_cannot_have_is_one_message(name: str, n
     assert not (tmp_path / "c").exists()
 
 
-def test_an_error_that_nobody_foresaw_is_one_message_and_shows_its_place_on_request() -> None:
+def test_an_unexpected_error_is_one_message_and_shows_its_place_on_request() -> None:
     broken = {"NUMPY_MADVISE_HUGEPAGE": "x"}  # read by numpy as it is imported
     done = command("run", "paper", "--json", **broken)
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
@@ -203,7 +203,7 @@ def test_with_standard_error_closed_standard_output_holds_the_object_alone() -> 
     assert json.loads(done.stdout)["warnings"] == ["not captured within 2 s"]
 
 
-def test_what_cannot_be_written_to_a_closed_standard_output_is_said() -> None:
+def test_what_cannot_be_written_to_a_closed_standard_output_is_reported() -> None:
     done = closed(">&-")
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1] == "standard output: cannot be written: bad file descriptor"

@@ -87,7 +87,7 @@ def test_a_start_inside_the_thresholds_is_a_capture_at_zero_with_a_warning(short
     assert "captured at t = 0" in flight.warnings[0]
 
 
-def test_a_merge_is_told_in_lists_and_comes_back_as_it_was(short: Scenario, tmp_path: Path) -> None:
+def test_a_merge_is_recorded_in_lists_and_read_back_the_same(short: Scenario, tmp_path: Path) -> None:
     flight = detumble.simulate(short)
     flight.to_netcdf(tmp_path / "flight.nc")
     for told in (flight, detumble.read_netcdf(tmp_path / "flight.nc")):

@@ -184,7 +184,7 @@ def test_a_gravitational_parameter_in_kilometres_gets_the_hint() -> None:
 @pytest.mark.parametrize(
     ("form", "given", "flown"), [("corrected", "p = 7, q = 5", "3/5"), ("printed", "p = 7", "7/3")]
 )
-def test_an_exponent_that_is_not_given_is_said(form: str, given: str, flown: str) -> None:
+def test_an_exponent_that_is_not_given_is_reported(form: str, given: str, flown: str) -> None:
     raw: dict[str, Any] = detumble.load("paper").to_dict()
     del raw["laws"]
     law = f'form = "{form}"\ntranslation = {{ slope = 0.1, gain = 0.1, layer = 0.1, {given} }}\n'

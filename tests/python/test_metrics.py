@@ -57,7 +57,7 @@ def test_what_did_not_happen_is_none(open_loop: Flight) -> None:
     assert metrics.final_rate is metrics.delta_v_to_capture is metrics.momentum_at_capture is None
 
 
-def test_capture_is_told_by_the_first_tick_inside(short: Scenario) -> None:
+def test_capture_is_at_the_first_tick_inside(short: Scenario) -> None:
     """Drift along y at 0.05 m/s from 1 m, a goal far off the gradient: inside 0.5 m after 10 s, within HCW's small bend."""
     settings = [
         "chaser.position=[0, 1, 0]", "chaser.velocity=[0, -0.05, 0]", "debris.tumble_rate=[0, 0, 0.02]",

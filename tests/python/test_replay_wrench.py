@@ -122,7 +122,7 @@ def test_the_command_frame_is_force_in_lvlh_and_torque_in_the_body(paper: Scenar
     assert np.abs(both.history["chaser_rate"][-1]).max() > 0.01
 
 
-def test_what_is_not_flown_of_an_open_loop_is_said(paper: Scenario) -> None:
+def test_what_is_not_flown_of_an_open_loop_is_reported(paper: Scenario) -> None:
     segments = "laws.none.segments=[{start=0, end=5, force=[0.5,0,0]}, {start=5, end=30, torque=[0,0,0.02]}]"
     flight = detumble.simulate(
         with_settings(paper, ["time.duration=20.0", "time.integration_step=0.01", segments]), "none"

@@ -150,7 +150,7 @@ def test_another_lock_file_or_record_stays(tmp_path: Path) -> None:
         assert state(tmp_path) == {"mine": b"12", "record.jsonl": content.encode()}
 
 
-def test_only_what_killed_writers_left_is_taken_away(tmp_path: Path) -> None:
+def test_only_temporary_files_of_killed_writers_are_removed(tmp_path: Path) -> None:
     mine = (".campaign.mine.json", ".campaign.json", "shards/.shard-mine.parquet", ".fig1.png")
     theirs = (".campaign.12.json", ".campaign.12-34.json", "shards/.shard-000000.12.parquet", ".summary.99.json")
     (tmp_path / "shards").mkdir()

@@ -39,9 +39,9 @@ def test_awkward_values_survive_a_file(paper: Scenario) -> None:
 
 
 def test_numbers_are_written_exactly_and_as_people_write_them() -> None:
-    dice = random.Random(1)
+    rng = random.Random(1)
     for _ in range(2000):
-        value = dice.uniform(-1, 1) * 10.0 ** dice.randint(-300, 300)
+        value = rng.uniform(-1, 1) * 10.0 ** rng.randint(-300, 300)
         assert tomllib.loads(f"x = {number(value)}")["x"] == value
     shown = {
         700e3: "700e3",

@@ -23,8 +23,8 @@ def label(tick: int, period: float) -> float:
 
 @pytest.mark.parametrize("period", PERIODS)
 def test_a_label_is_the_nearest_double_of_the_decimal(period: float) -> None:
-    dice = np.random.default_rng(1)
-    ticks = np.unique(np.concatenate((np.arange(2000), dice.integers(0, 2_000_000, 5000), [2**40 + 1, 2**63])))
+    rng = np.random.default_rng(1)
+    ticks = np.unique(np.concatenate((np.arange(2000), rng.integers(0, 2_000_000, 5000), [2**40 + 1, 2**63])))
     assert tick_times(period, ticks.astype(np.uint64)).tolist() == [label(int(tick), period) for tick in ticks]
 
 

@@ -29,19 +29,19 @@ def angle_between(p, q):
     return 2.0 * np.arctan2(np.linalg.norm(turn[:, 1:], axis=1), np.abs(turn[:, 0]))
 
 
-def random_body(dice):
-    moments = np.sort(dice.uniform(0.02, 0.1, 3))
+def random_body(rng):
+    moments = np.sort(rng.uniform(0.02, 0.1, 3))
     moments[2] = min(moments[2], moments[0] + moments[1])
-    axes, _ = np.linalg.qr(dice.standard_normal((3, 3)))
-    attitude = dice.standard_normal(4)
+    axes, _ = np.linalg.qr(rng.standard_normal((3, 3)))
+    attitude = rng.standard_normal(4)
     return axes @ np.diag(moments) @ axes.T, attitude / np.linalg.norm(attitude)
 
 
 def test_validation_random_tumbles_match_an_eighth_order_integrator():
-    dice = np.random.default_rng(0)
+    rng = np.random.default_rng(0)
     for _ in range(12):
-        inertia, attitude = random_body(dice)
-        rate = dice.standard_normal(3) * dice.choice([0.01, 0.1, 1.0])
+        inertia, attitude = random_body(rng)
+        rate = rng.standard_normal(3) * rng.choice([0.01, 0.1, 1.0])
         attitudes, rates = tumble(inertia, attitude, rate, 0.1, 600)
         expected, expected_rates = integrated(inertia, attitude, rate, np.arange(601) * 0.1)
         assert angle_between(attitudes, expected).max() < 1e-9
@@ -75,7 +75,7 @@ def test_spin_about_the_middle_axis_keeps_energy_momentum_and_its_own_kinematics
 
 
 def test_rotate_and_multiply_agree_on_composition():
-    dice = np.random.default_rng(1)
-    p, q = (x / np.linalg.norm(x) for x in dice.standard_normal((2, 4)))
-    v = dice.standard_normal(3)
+    rng = np.random.default_rng(1)
+    p, q = (x / np.linalg.norm(x) for x in rng.standard_normal((2, 4)))
+    v = rng.standard_normal(3)
     assert rotate(multiply(p, q), v) == pytest.approx(rotate(p, rotate(q, v)), abs=1e-14)

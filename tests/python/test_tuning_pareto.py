@@ -56,7 +56,9 @@ def test_by_any_weight_too_few_successes_are_worse(weight: float) -> None:
         assert measure(good).max() < measure(bad).min()
 
 
-def test_a_front_goes_from_fast_to_frugal_and_each_point_flies_as_it_says(front: Front, dispersed: Scenario) -> None:
+def test_a_front_goes_from_fast_to_least_delta_v_and_each_point_flies_as_it_says(
+    front: Front, dispersed: Scenario
+) -> None:
     assert len(front.points) >= 3
     times, efforts = ([getattr(point, name) for point in front.points] for name in ("time", "delta_v"))
     assert (np.diff(times) > 0).all()

@@ -125,27 +125,27 @@ def test_validation_capture_conserves_momenta_and_gains_no_energy(name: str, law
     assert np.array_equal(flight.history["chaser_rate"][row], after["rate"])
 
 
-def random_body(dice: np.random.Generator) -> tuple[float, list[list[float]]]:
-    moments = np.sort(dice.uniform(0.2, 1.0, 3))
+def random_body(rng: np.random.Generator) -> tuple[float, list[list[float]]]:
+    moments = np.sort(rng.uniform(0.2, 1.0, 3))
     moments[2] = min(moments[2], 0.99 * (moments[0] + moments[1]))
-    axes, _ = np.linalg.qr(dice.standard_normal((3, 3)))
-    mass = float(10.0 ** dice.uniform(-0.5, 2.0))
+    axes, _ = np.linalg.qr(rng.standard_normal((3, 3)))
+    mass = float(10.0 ** rng.uniform(-0.5, 2.0))
     inertia = 0.02 * mass * axes @ np.diag(moments) @ axes.T
     return mass, (0.5 * (inertia + inertia.T)).tolist()
 
 
-def varied(dice: np.random.Generator, transition: str) -> Scenario:
+def varied(rng: np.random.Generator, transition: str) -> Scenario:
     """Random bodies, attitudes, rates, closing speed and frame; captured at once or within seconds."""
     numbers = {
-        "chaser.position": dice.uniform(-0.6, 0.6, 3),
-        "chaser.velocity": dice.uniform(-0.2, 0.2, 3),
-        "chaser.attitude": unit(dice.standard_normal(4)),
-        "chaser.rate": dice.uniform(-0.4, 0.4, 3),
-        "debris.attitude": unit(dice.standard_normal(4)),
-        "debris.tumble_rate": dice.uniform(-0.4, 0.4, 3),
-        "orbit.lvlh_attitude": unit(dice.standard_normal(4)),
+        "chaser.position": rng.uniform(-0.6, 0.6, 3),
+        "chaser.velocity": rng.uniform(-0.2, 0.2, 3),
+        "chaser.attitude": unit(rng.standard_normal(4)),
+        "chaser.rate": rng.uniform(-0.4, 0.4, 3),
+        "debris.attitude": unit(rng.standard_normal(4)),
+        "debris.tumble_rate": rng.uniform(-0.4, 0.4, 3),
+        "orbit.lvlh_attitude": unit(rng.standard_normal(4)),
     }
-    chaser, debris = random_body(dice), random_body(dice)
+    chaser, debris = random_body(rng), random_body(rng)
     return with_settings(
         detumble.load(SCENARIOS / "products_of_inertia.toml"),
         [
@@ -153,7 +153,7 @@ def varied(dice: np.random.Generator, transition: str) -> Scenario:
             *(f"chaser.{name}={value}" for name, value in zip(("mass", "inertia"), chaser, strict=True)),
             *(f"debris.{name}={value}" for name, value in zip(("mass", "inertia"), debris, strict=True)),
             *ANYTHING,
-            f"capture.dwell={dice.integers(0, 20) * 0.1:.1f}",
+            f"capture.dwell={rng.integers(0, 20) * 0.1:.1f}",
             "capture.speed=10.0",
             f"capture.transition={transition}",
             "time.duration=20.0",
@@ -162,10 +162,10 @@ def varied(dice: np.random.Generator, transition: str) -> Scenario:
 
 
 def test_validation_any_capture_conserves_momenta_and_gains_no_energy() -> None:
-    dice = np.random.default_rng(6)
+    rng = np.random.default_rng(6)
     captured = 0
     for number in range(150):
-        flight = detumble.simulate(varied(dice, "momentum_conserving"), law=LAWS[number % 5])
+        flight = detumble.simulate(varied(rng, "momentum_conserving"), law=LAWS[number % 5])
         if flight.event("captured") is None:
             continue
         captured += 1
@@ -180,10 +180,10 @@ def test_the_plain_transition_conserves_neither_so_the_check_above_can_fail() ->
 
 
 def test_the_approximate_transition_leaves_the_chasers_motion_as_it_was() -> None:
-    dice = np.random.default_rng(7)
+    rng = np.random.default_rng(7)
     captured = 0
     for number in range(60):
-        scenario = varied(dice, "approximate")
+        scenario = varied(rng, "approximate")
         flight = detumble.simulate(scenario, law=LAWS[number % 5])
         event = flight.event("captured")
         if event is None:

@@ -92,6 +92,8 @@ def tune(
         return
     judged: dict[str, Any] = {"percentile": percentile(statistic), "required": required, "until": until}
     how: dict[str, Any] = searched | {
+        "scenario": chosen,
+        "law": law,
         "budget": budget,
         "starts": starts,
         "seed": seed,
@@ -105,9 +107,9 @@ def tune(
     files = FRONT_FILES if objective == "pareto" else FILES
     with results_folder(out, files, scenario, stale=files):
         if objective == "pareto":
-            _pareto(chosen, law, judged | how, out, as_json)
+            _pareto(judged | how, out, as_json)
         else:
-            _single(chosen, law, {"what": objective, **judged}, how, runs, out, as_json)
+            _single({"what": objective, **judged}, how, runs, out, as_json)
 
 
 def _fixed(fix: Sequence[str]) -> dict[str, float | None]:
@@ -136,15 +138,7 @@ def _list(scenario: Scenario, law: str, searched: dict[str, Any], as_json: bool)
         print(_ranges(space))
 
 
-def _single(
-    scenario: Scenario,
-    law: str,
-    judged: dict[str, Any],
-    how: dict[str, Any],
-    runs: int,
-    out: Path | None,
-    as_json: bool,
-) -> None:
+def _single(judged: dict[str, Any], how: dict[str, Any], runs: int, out: Path | None, as_json: bool) -> None:
     from detumble.analysis.tuning import Objective, held_out
     from detumble.analysis.tuning import tune as search
     from detumble.commands.progress import Line
@@ -152,7 +146,7 @@ def _single(
 
     objective = Objective(**judged)
     with Line(out, "candidates", _best(objective.unit)) as line:
-        tuned = search(scenario, law, objective=objective, watcher=line, **how)
+        tuned = search(objective=objective, watcher=line, **how)
     other = (tuned.seed + 1) % 2**64
     worth = held_out(tuned, runs, other, threads=how["threads"]) if runs else None
     numbers = tuned.to_json() | {"feasible": tuned.feasible, "held_out": _held_out_json(worth, runs, other)}
@@ -165,12 +159,12 @@ def _single(
     remark_written(files)
 
 
-def _pareto(scenario: Scenario, law: str, how: dict[str, Any], out: Path | None, as_json: bool) -> None:
+def _pareto(how: dict[str, Any], out: Path | None, as_json: bool) -> None:
     from detumble.analysis.tuning import pareto_front
     from detumble.commands.progress import Line
 
     with Line(out, "candidates", _best("s")) as line:
-        front = pareto_front(scenario, law, watcher=line, **how)
+        front = pareto_front(watcher=line, **how)
     files = _write_front(front, out) if out else []
     print_result(as_json, front.to_json(), lambda: _front_text(front), files)
     if not front.points:

@@ -97,23 +97,6 @@ def attitude_bound(pursuit: Pursuit, start: Array) -> AttitudeBound:
     return AttitudeBound(lower, float(slew.times[-1]) if slew else math.inf, slew)
 
 
-def slew_at_tick(pursuit: Pursuit, start: Array, tick: int) -> Slew | None:
-    """Find torques, held over control periods, with which angle and rate hold at a tick and the dwell before it.
-
-    Args:
-        pursuit: limits, bodies and thresholds.
-        start: (20,), as `pursuit.start_of` gives it.
-        tick: control tick, t = tick · period.
-
-    Returns:
-        The slew with one row of torque for each period, or None if none was found (which proves nothing).
-
-    Raises:
-        RequestError: CasADi is not installed.
-    """
-    return _at_tick(pursuit, start, tick, earliest_attitude(pursuit, start))
-
-
 def first_slew(pursuit: Pursuit, start: Array, from_tick: int) -> Slew | None:
     """Find the first tick from a given one on at which `slew_at_tick` succeeds; the step doubles after each failure.
 
@@ -130,7 +113,7 @@ def first_slew(pursuit: Pursuit, start: Array, from_tick: int) -> Slew | None:
         return None
     later = 0
     while from_tick + later <= pursuit.periods:
-        slew = _at_tick(pursuit, start, from_tick + later, least)
+        slew = slew_at_tick(pursuit, start, from_tick + later, least)
         if slew:
             return slew
         later = max(later + 1, 2 * later)
@@ -187,8 +170,21 @@ def _rotation(
     return slope
 
 
-def _at_tick(pursuit: Pursuit, start: Array, tick: int, least: float) -> Slew | None:
-    """What `slew_at_tick` finds; `least` is the bound of `earliest_attitude`, s."""
+def slew_at_tick(pursuit: Pursuit, start: Array, tick: int, least: float) -> Slew | None:
+    """Find torques, held over control periods, with which angle and rate hold at a tick and the dwell before it.
+
+    Args:
+        pursuit: limits, bodies and thresholds.
+        start: (20,), as `pursuit.start_of` gives it.
+        tick: control tick, t = tick · period.
+        least: bound of `earliest_attitude`, s.
+
+    Returns:
+        The slew with one row of torque for each period, or None if none was found (which proves nothing).
+
+    Raises:
+        RequestError: CasADi is not installed.
+    """
     turn, limit = Turn(pursuit, start), _finite(pursuit)
     pursuit = replace(pursuit, angle=pursuit.angle * (1.0 - KEPT), rate=pursuit.rate * (1.0 - KEPT))
     if not max(pursuit.dwell_ticks, least / pursuit.period - 1e-9) <= tick <= pursuit.periods:

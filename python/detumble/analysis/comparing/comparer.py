@@ -202,9 +202,8 @@ class _Work:
 
     def _held_out(self, entry: Entry, scenario: Scenario, runs: int) -> Runs:
         self._stage(f"{entry.name}: held-out runs", runs)
-        return fly(
-            scenario, entry.law, self.plan.judging, runs, end=self.end, threads=self.threads, progress=self.watcher.now
-        )
+        trials = Trials(scenario, self.plan.judging, 0, runs, end=self.end)
+        return fly(trials, entry.law, threads=self.threads, progress=self.watcher.now)
 
     def _score(self, runs: Runs) -> Score:
         objective = self.plan.objective
@@ -253,12 +252,10 @@ class _Work:
         count = min(self.plan.robust, self.plan.runs)
         self._stage(f"{one.entry.name}: robustness", flights(self.sweeps, count))
         return robustness(
-            one.tuning.scenario,
+            Trials(one.tuning.scenario, self.plan.judging, 0, count, end=self.end),
             one.entry.law,
             self.sweeps,
             one.runs.first(count),
-            seed=self.plan.judging,
-            end=self.end,
             threads=self.threads,
             progress=self.watcher.now,
         )

@@ -9,13 +9,13 @@ number.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from detumble.analysis.comparing.paired import quantile
-from detumble.analysis.trials import Change, Results, Trials
+from detumble.analysis.trials import Results, Trials
 from detumble.campaigns.recipe import SHARD
 from detumble.campaigns.statistics.summaries import Quantile
 from detumble.failures import SUCCESS, cause
@@ -26,9 +26,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from detumble.analysis.tuning.objective import Until
     from detumble.intervals import Array
-    from detumble.scenario.model import Scenario
 
 KEPT = (
     "capture_time",
@@ -88,26 +86,12 @@ class Runs:
         return np.where(self.succeeded & ~np.isnan(time), time, np.inf)
 
 
-def fly(
-    scenario: Scenario,
-    law: str,
-    seed: int,
-    runs: int,
-    *,
-    end: Until | None = None,
-    change: Change | None = None,
-    threads: int | None = None,
-    progress: Callable[[int], None] | None = None,
-) -> Runs:
-    """Fly the first runs of the campaign of a scenario and seed, one shard at a time.
+def fly(trials: Trials, law: str, *, threads: int | None = None, progress: Callable[[int], None] | None = None) -> Runs:
+    """Fly runs, one shard at a time.
 
     Args:
-        scenario: with the gains of the entry.
+        trials: the runs, from the first of a campaign on, of a scenario with the gains of the entry.
         law: one of `LAWS`.
-        seed: of dispersions and noise.
-        runs: how many.
-        end: how flights end; None as the scenario says.
-        change: deviation from the scenario.
         threads: to use; None for all processors.
         progress: called repeatedly with the number of runs done; an exception that it raises ends the work.
 
@@ -116,10 +100,10 @@ def fly(
     """
     failures: list[NDArray[np.uint8]] = []
     columns: dict[str, list[Array]] = {name: [] for name in KEPT}
-    for first in range(0, runs, SHARD):
-        trials = Trials(scenario, seed, first, min(SHARD, runs - first), end=end, change=change or Change())
-        landed = (lambda count, first=first: progress(first + count)) if progress else None
-        results = trials.fly(law, threads=threads, progress=landed)
+    for first in range(0, trials.count, SHARD):
+        shard = replace(trials, first=first, count=min(SHARD, trials.count - first))
+        report = (lambda count, first=first: progress(first + count)) if progress else None
+        results = shard.fly(law, threads=threads, progress=report)
         failures.append(results.failure[0])
         for name, parts in columns.items():
             parts.append(results[name][0])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from detumble.analysis.comparing.judge import Runs, Verdict, fly
@@ -12,7 +12,6 @@ from detumble.errors import ScenarioError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from detumble.analysis.tuning.objective import Until
     from detumble.scenario.model import Scenario
 
 BELIEFS = (0.5, 0.7, 0.9, 1.0, 1.1, 1.3, 1.5)
@@ -99,25 +98,21 @@ class Curve:
 
 
 def robustness(
-    scenario: Scenario,
+    trials: Trials,
     law: str,
     sweeps: tuple[Sweep, ...],
     own: Runs,
     *,
-    seed: int,
-    end: Until | None = None,
     threads: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> tuple[Curve, ...]:
     """Fly the runs of an entry again with each deviation.
 
     Args:
-        scenario: with the gains of the entry.
+        trials: the runs without deviation, of the scenario with the gains of the entry.
         law: one of `LAWS`.
         sweeps: the deviations.
-        own: the runs without deviation, which are not flown again.
-        seed: that they were flown with.
-        end: how flights end.
+        own: results of the runs without deviation, which are not flown again.
         threads: to use; None for all processors.
         progress: called repeatedly with the number of runs done.
     """
@@ -131,8 +126,8 @@ def robustness(
             if change == Change():
                 verdicts.append(known)
                 continue
-            landed = (lambda count, before=flown: progress(before + count)) if progress else None
-            runs = fly(scenario, law, seed, len(own), end=end, change=change, threads=threads, progress=landed)
+            report = (lambda count, before=flown: progress(before + count)) if progress else None
+            runs = fly(replace(trials, change=change), law, threads=threads, progress=report)
             verdicts.append(Verdict.of(runs))
             flown += len(own)
         curves.append(Curve(sweep, tuple(verdicts)))

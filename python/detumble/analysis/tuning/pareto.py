@@ -24,7 +24,9 @@ from detumble.analysis.tuning.objective import Objective
 from detumble.analysis.tuning.record import Record
 from detumble.analysis.tuning.search import Search
 from detumble.analysis.tuning.setting import SearchResult, Setting
+from detumble.analysis.tuning.space import space_of
 from detumble.checking import thread_count, whole
+from detumble.scenario.files import given
 
 if TYPE_CHECKING:
     import os
@@ -137,18 +139,15 @@ def pareto_front(
     """
     began, threads = time.perf_counter(), thread_count(threads)
     weights = whole("weights", weights, 2, 1000)  # both ends at least
+    space = space_of(given(scenario), law, form=form, stack=stack, fixed=fixed)
     setting = Setting.of(
-        scenario,
-        law,
+        space,
         (Objective(what, percentile, required, until), Objective("delta_v", percentile, required, until)),
         budget=budget,
         starts=starts,
         seed=seed,
         optimiser_seed=optimiser_seed,
         horizon=horizon,
-        form=form,
-        stack=stack,
-        fixed=fixed,
     )
     objective = asdict(setting.objective) | {"what": f"pareto, {what}"}
     header = setting.header({"objective": objective, "budget": setting.budget, "weights": weights})

@@ -9,17 +9,14 @@ import numpy as np
 
 from detumble import __version__
 from detumble.analysis.tuning.horizon import default_horizon
-from detumble.analysis.tuning.provenance import told
-from detumble.analysis.tuning.space import space_of
 from detumble.campaigns.recipe import arithmetic
 from detumble.checking import real, seed_number, whole
 from detumble.compiled import check_gains
 from detumble.scenario.core import case
-from detumble.scenario.files import given
+from detumble.scenario.faults import validated
 from detumble.scenario.laws import form_of
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Mapping
 
     from detumble.analysis.tuning.objective import Objective
@@ -30,6 +27,8 @@ if TYPE_CHECKING:
 
 BUDGET, STARTS = (1, 10**9), (1, 10**6)
 """Fewest and most evaluations, and starts."""
+REACHED = {"s": "time_s", "m/s": "delta_v_m_s"}
+"""Key of the cost in `[laws.LAW.tuned]`, by its unit."""
 
 
 @dataclass(frozen=True)
@@ -57,8 +56,7 @@ class Setting:
     @classmethod
     def of(
         cls,
-        scenario: Scenario | str | os.PathLike[str],
-        law: str,
+        space: Space,
         objectives: tuple[Objective, ...],
         *,
         budget: int,
@@ -66,25 +64,20 @@ class Setting:
         seed: int,
         optimiser_seed: int | None,
         horizon: float | None,
-        form: Form | None,
-        stack: bool | None,
-        fixed: Mapping[str, float | None] | None,
     ) -> Setting:
-        """Read the arguments of `tune` and `pareto_front`; see there.
+        """Check the arguments of `tune` and `pareto_front`; see there.
 
         Raises:
             RequestError: an argument makes no sense.
             ScenarioError: the scenario cannot be flown.
         """
-        scenario = given(scenario)
         budget, starts = whole("budget", budget, *BUDGET), whole("starts", starts, *STARTS)
         seed = seed_number("seed", seed)
         optimiser_seed = seed if optimiser_seed is None else seed_number("optimiser_seed", optimiser_seed)
         horizon = None if horizon is None else real("horizon", horizon, above=0.0, unit="s")
-        space = space_of(scenario, law, form=form, stack=stack, fixed=fixed)
         for objective in objectives:
             objective.end(space.base)
-        check_gains(scenario.title, case(space.base, law))
+        check_gains(space.base.title, case(space.base, space.law))
         horizon = default_horizon(space.base, seed, starts) if horizon is None else horizon
         horizon = float(min(horizon, space.base.time.duration))
         return cls(space, objectives, budget, starts, seed, optimiser_seed, horizon)
@@ -102,8 +95,30 @@ class Setting:
     def scenario(
         self, gains: Mapping[str, float], success: float, reached: Mapping[str, float], what: str = ""
     ) -> Scenario:
-        """Give the scenario with gains that were found and how that was done; arguments as of `provenance.told`."""
-        return told(self.space, gains, self, self.objective, self.horizon, success, reached, what)
+        """Give the scenario with the gains found, and `[laws.LAW.tuned]`, which says how they were found.
+
+        Args:
+            gains: found, by path; none leaves the scenario's own.
+            success: share of the training starts that succeed.
+            reached: cost by its unit; empty where too few succeed.
+            what: was minimised; empty for what the objective says.
+        """
+        raw, objective = self.space.scenario(gains).to_dict(), self.objective
+        raw["laws"][self.space.law]["tuned"] = {
+            "objective": what or objective.what,
+            "statistic": objective.statistic,
+            "success": success,
+            "required": objective.required,
+            "until": objective.end(self.space.base),
+            "horizon_s": self.horizon,
+            "starts": self.starts,
+            "seed": self.seed,
+            "optimiser_seed": self.optimiser_seed,
+            "evaluations": self.budget,
+            "version": __version__,
+            **{REACHED[unit]: cost for unit, cost in reached.items()},
+        }
+        return validated(raw, self.space.base.title)
 
     def header(self, more: Mapping[str, Any] = {}) -> dict[str, Any]:
         """Give the first line of the record: all that the outcomes and the order of the candidates depend on.

@@ -15,8 +15,10 @@ from detumble.analysis.tuning.objective import Objective
 from detumble.analysis.tuning.record import Record
 from detumble.analysis.tuning.search import Generation, Search
 from detumble.analysis.tuning.setting import SearchResult, Setting
+from detumble.analysis.tuning.space import space_of
 from detumble.checking import instance, seed_number, thread_count, whole
 from detumble.errors import RequestError
+from detumble.scenario.files import given
 from detumble.scenario.model import Scenario
 
 if TYPE_CHECKING:
@@ -125,18 +127,15 @@ def tune(
     """
     began, threads = time.perf_counter(), thread_count(threads)
     objective = Objective() if objective is None else instance("objective", objective, Objective, "an Objective")
+    space = space_of(given(scenario), law, form=form, stack=stack, fixed=fixed)
     setting = Setting.of(
-        scenario,
-        law,
+        space,
         (objective,),
         budget=budget,
         starts=starts,
         seed=seed,
         optimiser_seed=optimiser_seed,
         horizon=horizon,
-        form=form,
-        stack=stack,
-        fixed=fixed,
     )
     with Record(record, setting.header(), resume=resume, budget=setting.budget) as written:
         search = Search(setting, written, threads, watcher)

@@ -68,17 +68,6 @@ class Prefixes:
             self._opening = [(1 << k, int(reached[(1 << k) - 1])) for k in range(len(reached).bit_length())]
         self._extend()
 
-    def merge(self, other: Prefixes) -> None:
-        """Take the shards of another part of the campaign.
-
-        Raises:
-            ValueError: one of them was taken before.
-        """
-        self._check(other._shards.keys())
-        self._shards |= other._shards
-        self._opening = self._opening or list(other._opening)
-        self._extend()
-
     def first_narrow_enough(self, half_width: float) -> int | None:
         """Find where a campaign that flies until the interval is narrow enough ends.
 

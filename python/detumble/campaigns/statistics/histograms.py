@@ -64,13 +64,6 @@ class Histogram(ABC):
         self.smallest = min(self.smallest, float(values.min()))
         self.largest = max(self.largest, float(values.max()))
 
-    def merge(self, other: Histogram) -> None:
-        """Take over the counts of another histogram of the same kind."""
-        self._take(other)
-        self.count += other.count
-        self.smallest = min(self.smallest, other.smallest)
-        self.largest = max(self.largest, other.largest)
-
     @abstractmethod
     def table(self) -> tuple[Array, Counts]:
         """List what was counted.
@@ -82,9 +75,6 @@ class Histogram(ABC):
     @abstractmethod
     def _counted(self, values: Array) -> Array:
         """Count values; gives them as the histogram represents them, (n,)."""
-
-    @abstractmethod
-    def _take(self, other: Histogram) -> None: ...
 
 
 class TickHistogram(Histogram):
@@ -107,11 +97,6 @@ class TickHistogram(Histogram):
             raise ValueError(f"times are whole control periods of {self.period} s")
         self._fold(np.bincount(ticks.astype(np.int64)))
         return tick_times(self.period, ticks)
-
-    def _take(self, other: Histogram) -> None:
-        if not isinstance(other, TickHistogram) or other.period != self.period:
-            raise ValueError("histograms of different control periods")
-        self._fold(other._counts)
 
     def _fold(self, counts: Counts) -> None:
         missing = counts.size - self._counts.size
@@ -142,12 +127,6 @@ class LogHistogram(Histogram):
         for octave in np.unique(octaves):
             self._fold(int(octave), np.bincount(keys[octaves == octave] & (_BINS - 1), minlength=_BINS))
         return values
-
-    def _take(self, other: Histogram) -> None:
-        if not isinstance(other, LogHistogram):
-            raise ValueError("histograms of different kinds")
-        for octave, counts in other._octaves.items():
-            self._fold(octave, counts)
 
     def _fold(self, octave: int, counts: Counts) -> None:
         if octave in self._octaves:

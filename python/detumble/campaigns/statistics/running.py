@@ -108,26 +108,6 @@ class Statistics:
         self._successes += successes
         self.runs += runs
 
-    def merge(self, other: Statistics) -> None:
-        """Count the runs of other shards of the same campaign, which were counted elsewhere.
-
-        Args:
-            other: of the same control period, step, inertia and confidence.
-
-        Raises:
-            ValueError: a shard is in both, or the two are not of one kind.
-        """
-        if (other.confidence, other.step, other.inertia) != (self.confidence, self.step, self.inertia):
-            raise ValueError("statistics of different confidence, step or inertia")
-        self._prefixes.merge(other._prefixes)
-        for name, histogram in self._histograms.items():
-            histogram.merge(other._histograms[name])
-        self.saturated_failures += other.saturated_failures
-        self.fast_turns += other.fast_turns
-        self._causes += other._causes
-        self._successes += other._successes
-        self.runs += other.runs
-
     @property
     def success(self) -> Proportion:
         """Runs that captured, and settled where the bodies merge."""

@@ -39,7 +39,7 @@ class Summary:
     """A quantity over the runs in which it exists. Units are the quantity's own; None where no run has it.
 
     Mean and deviation come from the same counts as the quantiles: of times they are exact but for round-off, of all else
-    the mean is off by at most `sketch.ACCURACY` of itself and the deviation by that share of the root mean square.
+    the mean is off by at most `histograms.ACCURACY` of itself and the deviation by that share of the root mean square.
 
     Attributes:
         count: runs in which it exists.

@@ -67,8 +67,8 @@ def plot_success_map(
     axes.grid(visible=False)
     top, right = figure.add_subplot(grid[0, 0], sharex=axes), figure.add_subplot(grid[1, 1], sharey=axes)
     overall = float(np.mean(success))
-    limits = _margin(top, across, middle[0], good.sum(axis=0), runs.sum(axis=0), overall, flat=True)
-    limits += _margin(right, up, middle[1], good.sum(axis=1), runs.sum(axis=1), overall, flat=False)
+    limits = _margin(top, across, middle[0], (good.sum(axis=0), runs.sum(axis=0)), overall, flat=True)
+    limits += _margin(right, up, middle[1], (good.sum(axis=1), runs.sum(axis=1)), overall, flat=False)
     least, most = min(limits), max(limits)
     pad = 0.05 * max(most - least, 1e-6)
     top.set_ylim(least - pad, most + pad)
@@ -174,13 +174,13 @@ def _margin(
     axes: Axes,
     bounds: Array,
     middle: Array,
-    good: NDArray[np.int64],
-    runs: NDArray[np.int64],
+    counts: tuple[NDArray[np.int64], NDArray[np.int64]],
     overall: float,
     *,
     flat: bool,
 ) -> list[float]:
-    """Plot the probability over one parameter with its intervals; give their ends."""
+    """Plot the probability over one parameter with its intervals, from successes and runs; give their ends."""
+    good, runs = counts
     low, high = clopper_pearson(good, runs)
     share = np.where(runs > 0, good / np.maximum(runs, 1), np.nan)
     bars, whiskers, line = (
