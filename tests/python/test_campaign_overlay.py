@@ -48,6 +48,12 @@ def maximal(**changes: Any) -> Scenario:
     raw["settled"] = {"angle_deg": 30.0, "rate": 0.06}
     raw["actuators"] = {"force_limit": [0.02, 0.015, 0.01], "torque_limit": [5e-3, 5e-3, 1e-3]}
     raw["sensors"] = {f"{name}_sigma": 1e-3 for name in ("position", "velocity", "attitude", "rate")}
+    raw["disturbances"] = {
+        "gravity_gradient": True,
+        "constant": {"axes": "body"}
+        | {f"{body}_force": [2e-3, -1e-3, 1e-3] for body in ("chaser", "debris")}
+        | {f"{body}_torque": [2e-4, -1e-4, 1e-4] for body in ("chaser", "debris")},
+    }
     for law in LAWS:
         gains = raw["laws"][law]
         if REGISTER[law].forms():

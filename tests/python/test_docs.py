@@ -63,3 +63,22 @@ def test_a_page_that_shows_something_wrong_is_found_out(
     page.write_text(wrong, encoding="utf-8")
     with pytest.raises((AssertionError, SyntaxError, detumble.ScenarioError, yaml.YAMLError, pytest.fail.Exception)):
         Reader(page).read()
+
+
+EXTENDING = Path(__file__).parents[2] / "docs" / "extending.md"
+EXCERPTS = re.findall(
+    r"^```(?:rust|py) (\S+)\n(.*?)^```$", EXTENDING.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL
+)
+
+
+@pytest.mark.parametrize(("file", "excerpt"), EXCERPTS)
+def test_excerpts_of_sources_stand_in_them(file: str, excerpt: str) -> None:
+    assert excerpt in (EXTENDING.parents[1] / file).read_text(encoding="utf-8")
+
+
+def test_every_excerpt_names_its_source() -> None:
+    assert (
+        len(EXCERPTS)
+        == EXTENDING.read_text(encoding="utf-8").count("```rust") + EXTENDING.read_text(encoding="utf-8").count("```py")
+        > 5
+    )

@@ -29,6 +29,17 @@ def test_saving_and_loading_gives_an_equal_scenario(source: str | Path, tmp_path
     assert [path.name for path in tmp_path.iterdir()] == ["again.toml"]
 
 
+@pytest.mark.parametrize("law", LAWS)
+def test_how_gains_were_found_survives_a_file(law: str, paper: Scenario) -> None:
+    raw = paper.to_dict()
+    raw["laws"][law]["tuned"] = {
+        "objective": "capture", "statistic": "mean", "success": 1.0, "required": 0.95, "until": "settled", "horizon_s": 90.0,
+        "starts": 8, "seed": 0, "optimiser_seed": 0, "evaluations": 10, "version": "0.1.0",
+    }  # fmt: skip
+    scenario = Scenario.model_validate(raw)
+    assert from_toml(scenario.to_toml()) == scenario
+
+
 def test_awkward_values_survive_a_file(paper: Scenario) -> None:
     paper.title = 'quotes " \\ and ünïcödé, "\\n"'
     paper.description = 'two\nlines, \t quotes """ and \\\n'

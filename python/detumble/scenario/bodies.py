@@ -50,7 +50,6 @@ _MEAN_MOTION = Place(
     Rule("mean_motion", ("orbit.mu", "orbit.radius")),
     Rule("mean_motion", ("orbit.mu", "orbit.earth_radius", "orbit.altitude")),
     own=False,
-    effect="law",
 )
 
 
@@ -100,9 +99,7 @@ class Chaser(Section):
     """The spacecraft that captures."""
 
     mass: Annotated[float, _mass("chaser.mass")]
-    inertia: Annotated[
-        Inertia, _inertia("inertia about the centre of mass, body axes", Place("chaser.inertia", effect="inertia"))
-    ]
+    inertia: Annotated[Inertia, _inertia("inertia about the centre of mass, body axes", "chaser.inertia")]
     position: Annotated[Vector, _position("r_CD_H at t = 0: relative to the debris, in H", "start.position")]
     velocity: Annotated[
         Vector,
@@ -124,9 +121,7 @@ class Debris(Section):
     """The tumbling target, at the origin of H."""
 
     mass: Annotated[float, _mass("debris.mass")]
-    inertia: Annotated[
-        Inertia, _inertia("inertia about the centre of mass, body axes", Place("debris.inertia", effect="inertia"))
-    ]
+    inertia: Annotated[Inertia, _inertia("inertia about the centre of mass, body axes", "debris.inertia")]
     attitude: Annotated[Quaternion, _attitude("D -> N at t = 0", "start.debris_attitude")] = _IDENTITY
     tumble_rate: Annotated[Vector, _rate("omega_DN_D at t = 0", "start.debris_rate")]
     grasp_point: Annotated[Vector, _grasp_point("debris", "D")] | None = None
@@ -167,7 +162,7 @@ def _believed(body: str, what: str) -> Place:
     bodies = ("chaser", "debris") if body == "stack" else ("chaser",)
     design = Rule("total" if what == "mass" else "tensor", tuple(f"{one}.{what}" for one in bodies), design=True)
     when = (("belief.stack", "design"),) if body == "stack" else ()
-    return Place(f"belief.{body}_{what}", design, when=when, effect="law")
+    return Place(f"belief.{body}_{what}", design, when=when)
 
 
 class Belief(Section):

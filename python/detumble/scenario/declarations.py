@@ -16,7 +16,6 @@ from detumble.scenario.laws import APPEARANCES, REGISTER, Segment
 from detumble.scenario.laws.base import Gain
 from detumble.scenario.plan import PLAN, SEGMENT
 from detumble.scenario.reflection import quantity_of
-from detumble.scenario.rules import EFFECTS
 from detumble.scenario.section import Section
 from detumble.scenario.tables import body_rules, law_rules, law_words, leaves
 
@@ -52,7 +51,6 @@ def declarations() -> dict[str, Any]:
     return {
         "description": _READING,
         "conversions": {name: inspect.getdoc(made) for name, made in conversions.ALL.items()},
-        "effects": dict(EFFECTS),
         "fields": _all_fields(),
         "numbers": _plain(body_rules()),
         "plan": _plain(PLAN),
@@ -114,7 +112,6 @@ def _field(path: str, field: FieldInfo, places: list[str]) -> dict[str, Any]:
 
 
 def _quantity(quantity: Quantity) -> dict[str, Any]:
-    effect = "law" if isinstance(quantity, Gain) else quantity.place and quantity.place.effect
     return {
         "shape": quantity.shape,
         "unit": quantity.unit or "1",
@@ -123,7 +120,6 @@ def _quantity(quantity: Quantity) -> dict[str, Any]:
         **({"rigid": quantity.rigid} if quantity.shape == "inertia" else {}),
         **({"words": list(quantity.words)} if quantity.words else {}),
         **({"provenance": quantity.provenance} if quantity.provenance else {}),
-        **({"effect": effect} if effect else {}),
         **(_gain(quantity) if isinstance(quantity, Gain) else {}),
     }
 

@@ -17,7 +17,7 @@ def _limit(kind: str) -> Place:
 
 
 def _noise(sensor: str) -> Place:
-    return Place(f"sensors.{sensor}", effect="noise")
+    return Place(f"sensors.{sensor}")
 
 
 class Actuators(Section):

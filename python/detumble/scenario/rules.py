@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 At = Callable[[str], Any]
 """Gives the value of a field by its dotted path; None where it is absent."""
@@ -72,16 +72,6 @@ def active(rules: tuple[Rule, ...], at: At) -> Rule:
     raise LookupError(f"no rule applies: {rules}")
 
 
-Effect = Literal["noise", "inertia", "law"]
-"""What a number that differs from run to run changes beside its own value; see `EFFECTS`."""
-
-EFFECTS: dict[Effect, str] = {
-    "noise": "the sensor is noisy in the whole campaign, whatever the nominal sigma",
-    "inertia": "nothing is assumed of the body's tensor: neither principal axes nor symmetry",
-    "law": "the law is built anew for each run",
-}
-
-
 class Place:
     """Where a field goes in the core, for use in `Quantity`.
 
@@ -90,7 +80,6 @@ class Place:
         otherwise: rules tried where the field itself does not give the number.
         own: whether the field alone gives the number, by the conversion that its quantity declares.
         when: conditions for that, as in `Rule`.
-        effect: what it changes in the core that the number differs from run to run; None for nothing.
     """
 
     def __init__(
@@ -99,13 +88,11 @@ class Place:
         *otherwise: Rule,
         own: bool = True,
         when: tuple[tuple[str, Any], ...] = (),
-        effect: Effect | None = None,
     ) -> None:
         self.path = path
         self.otherwise = otherwise
         self.own = own
         self.when = when
-        self.effect = effect
 
     def rules(self, field: str, conversion: str) -> tuple[Rule, ...]:
         """Give the rules of the number.

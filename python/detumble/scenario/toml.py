@@ -50,7 +50,7 @@ def _table(section: Section, path: str, lines: list[str]) -> None:
         else:
             quantity = quantity_of(field)
             own.append(_commented(f"{name} = {literal(value)}", unit_in(section, quantity) if quantity else ""))
-    if path and (own or not (tables or arrays)):
+    if path and (own or inline or not (tables or arrays)):
         lines += ["", f"[{path}]"]
     lines += own + inline
     for name, table in tables:
