@@ -169,7 +169,7 @@ class Reader:
             if words and not self.is_there(block, words) and is_detumble(words):
                 try:
                     typer.main.get_command(app).commands[words[1]].make_context(words[1], words[2:])
-                except Exception as error:  # which, is the command line's affair
+                except Exception as error:  # the command line names it
                     pytest.fail(f"{self.where(block)}: {line}: {error!r}", pytrace=False)
 
     def plain(self, block: Block) -> None:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from detumble.compiled import register
 from detumble.scenario.core import case
 from detumble.scenario.files import load
+from detumble.states import parts_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -51,9 +51,7 @@ def start_columns(starts: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]
     Args:
         starts: as `random_starts` gives them, shape (n, 20).
     """
-    names, widths = zip(*register()["state"], strict=True)
-    parts = np.split(starts, np.cumsum(widths)[:-1], axis=1)
-    return {f"start.{name}": np.ascontiguousarray(part) for name, part in zip(names, parts, strict=True)}
+    return {f"start.{name}": part for name, part in parts_of(starts).items()}
 
 
 def _directions(generator: np.random.Generator, count: int, size: int) -> NDArray[np.float64]:

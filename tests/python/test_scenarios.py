@@ -17,7 +17,7 @@ SCENARIOS = ("paper", "far_tumble", "twelve_u")
 SCRIPTS = Path(__file__).parents[2] / "scripts"
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", PUBLISHED_CAPTURE_TIMES)
 def test_capture_times_match_the_published_ones_for_any_noise(law: str) -> None:
     """Validation: within 2 % of Eng. Proc. 2026, 121(1), 25, by gains identified for it."""
     short = with_settings(detumble.load("paper"), ["time.duration=120.0"])

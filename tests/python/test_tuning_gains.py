@@ -33,7 +33,7 @@ def test_every_shipped_gain_lies_within_its_range(name: str, law: str) -> None:
 def test_number_of_gains() -> None:
     both = ("translation", "rotation")
     counts = {law: (len(gains_of(law)), len(gains_of(law, stack=both))) for law in LAWS}
-    assert counts == {"pd": (4, 8), "lqr": (4, 8), "sosmc": (8, 16), "tsmc": (8, 16), "prrl": (7, 13)}
+    assert counts == {"pd": (4, 8), "lqr": (4, 8), "sosmc": (8, 16), "tsmc": (8, 16), "prrl": (7, 13), "stsmc": (6, 12)}
     twelve_u = space_of(detumble.load("twelve_u"), "pd")
     assert [one.path for one in twelve_u.tunables if one.path.startswith("stack.")] == [
         "stack.rotation.kp",

@@ -209,6 +209,8 @@ def test_validation_grasp_points_are_within_reach_at_capture_and_not_a_tick_earl
     """The gap |r + R_HC p_C - R_HD p_D|, and the other thresholds, anew at every tick before capture."""
     path = SCENARIOS / f"{name}.toml"
     scenario = detumble.load(path if path.exists() else name)
+    if law not in scenario.laws.closed_loop:
+        pytest.skip(f"{name} has no gains for {law}")
     flight = detumble.simulate(scenario, law=law)
     event, flown, limits = flight.event("captured"), flight.history, scenario.capture
     assert event is not None

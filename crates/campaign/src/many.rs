@@ -2,7 +2,7 @@
 
 use crate::fleet::Fleet;
 use detumble_core::batch::Batch;
-use detumble_core::closed_loop::{Refill, fly};
+use detumble_core::closed_loop::{Lanes, Refill, fly};
 use detumble_core::flight::Flight;
 use detumble_core::metrics::{Metrics, Summary};
 use detumble_core::number::{Backend, Job, Mask, Real, Stream, dispatch};
@@ -115,18 +115,18 @@ impl Job for Worker<'_> {
         let mut metrics = Metrics::default();
         let mut assigned = vec![None; R::LANES];
         assigned[0] = Some(first);
-        let mut lanes = Lanes { worker: self, idle, assigned, flown: Flown::default() };
+        let mut assignment = Assignment { worker: self, idle, assigned, flown: Flown::default() };
         for lane in 1..R::LANES {
-            lanes.assigned[lane] = self.claim();
-            lanes.begin(lane, &mut scene, &mut flight, &mut noise);
+            assignment.assigned[lane] = self.claim();
+            assignment.put(lane, &mut scene, &mut flight, &mut noise);
         }
-        fly(&mut scene, &mut flight, &mut noise, &mut metrics, &mut lanes);
-        lanes.flown
+        fly(&mut scene, &mut flight, &mut noise, &mut metrics, &mut assignment);
+        assignment.flown
     }
 }
 
 /// Which flight each lane of a thread flies.
-struct Lanes<'a> {
+struct Assignment<'a> {
     worker: Worker<'a>,
     /// What a lane without a flight repeats, unrecorded.
     idle: PreparedFlight,
@@ -135,9 +135,9 @@ struct Lanes<'a> {
     flown: Flown,
 }
 
-impl Lanes<'_> {
+impl Assignment<'_> {
     /// Puts a lane at the start of its flight.
-    fn begin<R: Real>(&self, lane: usize, scene: &mut Scene<R>, flight: &mut Flight<R>, noise: &mut Stream<R>) {
+    fn put<R: Real>(&self, lane: usize, scene: &mut Scene<R>, flight: &mut Flight<R>, noise: &mut Stream<R>) {
         let assigned = self.assigned[lane].map(|i| self.worker.fleet.prepared(i));
         let prepared = assigned.as_ref().unwrap_or(&self.idle);
         scene.put(lane, prepared);
@@ -146,7 +146,7 @@ impl Lanes<'_> {
     }
 }
 
-impl<R: Real> Refill<R, Metrics<R>> for Lanes<'_> {
+impl<R: Real> Refill<R, Metrics<R>> for Assignment<'_> {
     #[cold]
     #[inline(never)]
     fn collect(
@@ -177,19 +177,11 @@ impl<R: Real> Refill<R, Metrics<R>> for Lanes<'_> {
 
     #[cold]
     #[inline(never)]
-    fn begin(
-        &mut self,
-        over: R::Mask,
-        scene: &mut Scene<R>,
-        flight: &mut Flight<R>,
-        noise: &mut Stream<R>,
-        number: &mut R,
-        metrics: &mut Metrics<R>,
-    ) {
+    fn begin(&mut self, over: R::Mask, lanes: Lanes<'_, R, Metrics<R>>) {
         for lane in (0..R::LANES).filter(|&lane| over.lane(lane)) {
-            Lanes::begin(self, lane, scene, flight, noise);
-            number.set_lane(lane, 0.0);
-            Batch::<R>::put(metrics, lane, &Metrics::default());
+            self.put(lane, lanes.scene, lanes.flight, lanes.noise);
+            lanes.number.set_lane(lane, 0.0);
+            Batch::<R>::put(lanes.observer, lane, &Metrics::default());
         }
     }
 }

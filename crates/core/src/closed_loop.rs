@@ -22,7 +22,7 @@ use crate::plant::lvlh::Lvlh;
 use crate::plant::motion::Motion;
 use crate::plant::propagate::{Period, propagate};
 use crate::plant::stack::{Transition, merge_approximate, merge_conserving};
-use crate::plant::wrench::{Wrench, WrenchFrame};
+use crate::plant::wrench::{Held, Wrench, WrenchFrame};
 use crate::scene::{Numbers, Scene, no_gains};
 
 /// What happens at one control tick of every lane, up to the wrench that is then held; and whose flight is over here.
@@ -66,22 +66,14 @@ fn control_tick<R: Real, O: Observer<R>>(
     let flown = number.lt(R::splat(f64::from(plan.periods))) & flight.commanded();
     let tick = Tick { number, time, flown, target, judged, error, demand, applied };
     observer.observe(scene, flight, &tick);
-    (Held { wrench: applied.wrench, frame, since: time }, !flown | observer.over(scene, flight, &tick))
-}
-
-/// A wrench held from a tick to the next.
-struct Held<R> {
-    wrench: Wrench<R>,
-    frame: WrenchFrame,
-    since: R,
+    (Held { wrench: applied.wrench, frame }, !flown | observer.over(scene, flight, &tick))
 }
 
 /// Moves the plant on to the next tick.
 #[inline(always)]
-fn fly_on<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, held: &Held<R>) {
+fn fly_on<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, held: &Held<R>, time: R) {
     let plan = &scene.plan;
-    let period =
-        Period { time: held.since, step: scene.step, steps: plan.steps_per_period, shapes: scene.common.shapes };
+    let period = Period { time, step: scene.step, steps: plan.steps_per_period, shapes: scene.common.shapes };
     let Numbers { around, case, .. } = &scene.numbers;
     if plan.disturbances.any() {
         let disturbed = Disturbed {
@@ -91,12 +83,11 @@ fn fly_on<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, held: &Held<R>) {
             joint: &flight.joint,
             disturbances: &case.disturbances,
             acting: plan.disturbances,
-            wrench: held.wrench,
-            frame: held.frame,
+            held: *held,
         };
         disturbed.propagate(&mut flight.truth, &period);
     } else {
-        propagate(around, &flight.vehicle, &mut flight.truth, &held.wrench, held.frame, &period);
+        propagate(around, &flight.vehicle, &mut flight.truth, held, &period);
     }
     ride_along(plan, flight);
 }
@@ -117,10 +108,10 @@ pub fn fly<R: Real, O: Observer<R>>(
         if over.any() && !refill.collect(over, scene, flight, number, observer) {
             return;
         }
-        fly_on(scene, flight, &held);
+        fly_on(scene, flight, &held, number * R::splat(scene.plan.control_period));
         number += R::one();
         if over.any() {
-            refill.begin(over, scene, flight, noise, &mut number, observer);
+            refill.begin(over, Lanes { scene, flight, noise, number: &mut number, observer });
         }
     }
 }
@@ -215,21 +206,27 @@ fn command<R: Real>(
     }
 }
 
+/// What flies in the lanes of a batch.
+pub struct Lanes<'a, R: Real, O> {
+    /// Numbers that no event changes.
+    pub scene: &'a mut Scene<R>,
+    /// States.
+    pub flight: &'a mut Flight<R>,
+    /// Random numbers.
+    pub noise: &'a mut Stream<R>,
+    /// Each lane's tick.
+    pub number: &'a mut R,
+    /// What is kept of the flights.
+    pub observer: &'a mut O,
+}
+
 /// Collects the results of lanes whose flight is over, and begins their next flights.
 pub trait Refill<R: Real, O> {
     /// Flights are over, at these ticks; returns whether any lane still flies something.
     fn collect(&mut self, over: R::Mask, scene: &Scene<R>, flight: &Flight<R>, number: R, observer: &O) -> bool;
 
     /// The lanes' next flights begin.
-    fn begin(
-        &mut self,
-        over: R::Mask,
-        scene: &mut Scene<R>,
-        flight: &mut Flight<R>,
-        noise: &mut Stream<R>,
-        number: &mut R,
-        observer: &mut O,
-    );
+    fn begin(&mut self, over: R::Mask, lanes: Lanes<'_, R, O>);
 }
 
 /// Flies one flight, the same in all lanes, to its end; returns the number of its last tick.
@@ -253,7 +250,7 @@ impl<R: Real, O> Refill<R, O> for Alone<R> {
         false
     }
 
-    fn begin(&mut self, _: R::Mask, _: &mut Scene<R>, _: &mut Flight<R>, _: &mut Stream<R>, _: &mut R, _: &mut O) {}
+    fn begin(&mut self, _: R::Mask, _: Lanes<'_, R, O>) {}
 }
 
 #[cfg(test)]

@@ -242,7 +242,7 @@ impl<R: Real> Scene<R> {
         guidance::grasp_points(&grasp, motion, &Lvlh::at(&case.orbit, time), self.plan.goal.feeds_acceleration())
     }
 
-    /// The laws of stacks that have just been made, told their true mass and inertia; in other lanes `designed`.
+    /// The laws of stacks that have just been made, for their true mass and inertia; in other lanes `designed`.
     pub(crate) fn laws_for(&self, made: R::Mask, vehicle: &Vehicle<R>, designed: &Law<R>) -> Law<R> {
         let mut laws = *designed;
         for i in (0..R::LANES).filter(|&i| made.lane(i)) {

@@ -36,7 +36,7 @@ class ConstantLoads(Section):
 
 
 class Disturbances(Section):
-    """What acts on chaser, debris and stack besides the actuators. No law is told of it."""
+    """What acts on chaser, debris and stack besides the actuators. No law knows of it."""
 
     gravity_gradient: Switch = Field(
         False, description="torque 3 n^2 u x (I u) on chaser, debris and stack, u from the planet to the orbit"

@@ -14,7 +14,7 @@ use super::lvlh::Lvlh;
 use super::motion::Motion;
 use super::propagate::{Period, Surroundings};
 use super::rk4::{Dynamics, rk4_sum};
-use super::wrench::{Wrench, WrenchFrame};
+use super::wrench::{Held, Wrench, WrenchFrame};
 use crate::batch_struct;
 use crate::number::{Quat, Real, Vec3};
 use crate::plant::body::Vehicle;
@@ -54,9 +54,7 @@ pub struct Disturbed<'a, R> {
     /// Those that act.
     pub acting: Acting,
     /// The actuators' wrench.
-    pub wrench: Wrench<R>,
-    /// Its axes.
-    pub frame: WrenchFrame,
+    pub held: Held<R>,
 }
 
 impl<R: Real> Disturbed<'_, R> {
@@ -82,9 +80,9 @@ impl<R: Real> Disturbed<'_, R> {
         let first = self.push(begin, &start, &tumbling) * sixth;
         let second = self.push(begin + half, &middle, &tumbled) * (sixth * R::splat(4.0));
         let third = self.push(begin + h, &end, &tumbled_on) * sixth;
-        let held = match self.frame {
+        let held = match self.held.frame {
             WrenchFrame::Body => Vec3::zero(),
-            WrenchFrame::Command | WrenchFrame::Lvlh => self.wrench.force * self.vehicle.inverse_mass,
+            WrenchFrame::Command | WrenchFrame::Lvlh => self.held.wrench.force * self.vehicle.inverse_mass,
         };
         let coast = &self.around.half_step;
         let (r, v) = coast.advance(motion.position, motion.velocity + first, held);
@@ -111,10 +109,10 @@ impl<R: Real> Disturbed<'_, R> {
         let levers = (self.joint.offset * (R::one() - share)).cross(loads.force)
             - (self.joint.offset * share).cross(debris_force);
 
-        let (force, torque) = match self.frame {
-            WrenchFrame::Command => (Vec3::zero(), self.wrench.torque),
-            WrenchFrame::Body => (self.wrench.force, self.wrench.torque),
-            WrenchFrame::Lvlh => (Vec3::zero(), own.to_lvlh.rotate_inverse(self.wrench.torque)),
+        let (force, torque) = match self.held.frame {
+            WrenchFrame::Command => (Vec3::zero(), self.held.wrench.torque),
+            WrenchFrame::Body => (self.held.wrench.force, self.held.wrench.torque),
+            WrenchFrame::Lvlh => (Vec3::zero(), own.to_lvlh.rotate_inverse(self.held.wrench.torque)),
         };
         Wrench { force: force + natural.force + debris_force, torque: torque + natural.torque + debris_torque + levers }
     }

@@ -14,7 +14,7 @@ use super::motion::Motion;
 use super::orbit::{HeldStep, Orbit};
 use super::rk4::{Dynamics, rk4_step};
 use super::top::FreeTop;
-use super::wrench::{Wrench, WrenchFrame};
+use super::wrench::{Held, Wrench, WrenchFrame};
 use crate::batch_struct;
 use crate::number::{Real, Vec3};
 
@@ -62,17 +62,16 @@ pub fn propagate<R: Real>(
     around: &Surroundings<R>,
     vehicle: &Vehicle<R>,
     motion: &mut Motion<R>,
-    wrench: &Wrench<R>,
-    frame: WrenchFrame,
+    held: &Held<R>,
     period: &Period<R>,
 ) {
     if period.steps == 1 {
         // No loop here: it would copy every constant it reads to its own place on the stack.
-        return integrate(around, vehicle, motion, wrench, frame, period, period.time);
+        return integrate(around, vehicle, motion, held, period, period.time);
     }
     for i in 0..period.steps {
         let begin = period.time + R::splat(f64::from(i) * period.step);
-        integrate(around, vehicle, motion, wrench, frame, period, begin);
+        integrate(around, vehicle, motion, held, period, begin);
     }
 }
 
@@ -82,13 +81,12 @@ fn integrate<R: Real>(
     around: &Surroundings<R>,
     vehicle: &Vehicle<R>,
     motion: &mut Motion<R>,
-    wrench: &Wrench<R>,
-    frame: WrenchFrame,
+    held: &Held<R>,
     period: &Period<R>,
     begin: R,
 ) {
-    let Period { step, shapes, .. } = *period;
-    match frame {
+    let (Period { step, shapes, .. }, wrench) = (*period, &held.wrench);
+    match held.frame {
         WrenchFrame::Command => {
             let h = R::splat(step);
             let force = wrench.force * vehicle.inverse_mass;
@@ -101,8 +99,8 @@ fn integrate<R: Real>(
             });
             tumble(around, motion, step, shapes);
         }
-        WrenchFrame::Body => body_step(around, vehicle, motion, *wrench, begin, step, shapes),
-        WrenchFrame::Lvlh => lvlh_step(around, vehicle, motion, *wrench, begin, step, shapes),
+        WrenchFrame::Body => body_step(around, vehicle, motion, *wrench, period, begin),
+        WrenchFrame::Lvlh => lvlh_step(around, vehicle, motion, *wrench, period, begin),
     }
 }
 
@@ -127,10 +125,10 @@ fn body_step<R: Real>(
     vehicle: &Vehicle<R>,
     motion: &mut Motion<R>,
     wrench: Wrench<R>,
+    period: &Period<R>,
     begin: R,
-    step: f64,
-    shapes: Shapes,
 ) {
+    let Period { step, shapes, .. } = *period;
     let h = R::splat(step);
     let start = motion.chaser();
     let middle = spin_step(&vehicle.inertia, &start, wrench.torque, h * R::splat(0.5));
@@ -159,10 +157,10 @@ fn lvlh_step<R: Real>(
     vehicle: &Vehicle<R>,
     motion: &mut Motion<R>,
     wrench: Wrench<R>,
+    period: &Period<R>,
     begin: R,
-    step: f64,
-    shapes: Shapes,
 ) {
+    let Period { step, shapes, .. } = *period;
     let h = R::splat(step);
     let acceleration = wrench.force * vehicle.inverse_mass;
     (motion.position, motion.velocity) = around.translation.advance(motion.position, motion.velocity, acceleration);

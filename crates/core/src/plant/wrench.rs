@@ -31,6 +31,15 @@ impl<R: Real> Add for Wrench<R> {
     }
 }
 
+/// A wrench as the actuators hold it over a control period.
+#[derive(Clone, Copy, Debug)]
+pub struct Held<R> {
+    /// Force and torque.
+    pub wrench: Wrench<R>,
+    /// Their axes.
+    pub frame: WrenchFrame,
+}
+
 /// The axes in which a wrench is given, and in which it is held over the period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]

@@ -36,6 +36,7 @@ import numpy as np
 from detumble.analysis.bounds.tumble import tumble
 from detumble.analysis.bounds.turn import CORNERS, ROUND_OFF, Agility, angle_between, trapezoids
 from detumble.quaternions import Array, conjugate, multiply, rotate, rotation_angle
+from detumble.states import CHASER_ATTITUDE, CHASER_RATE, DEBRIS_ATTITUDE, DEBRIS_RATE
 
 if TYPE_CHECKING:
     from detumble.analysis.bounds.pursuit import Pursuit
@@ -117,9 +118,9 @@ class Turn:
 
     def __init__(self, pursuit: Pursuit, start: Array) -> None:
         self.pursuit, self.agility = pursuit, pursuit.agility
-        self.attitude = start[6:10] / np.linalg.norm(start[6:10])
-        self.rate = start[10:13]
-        self.debris = start[13:17] / np.linalg.norm(start[13:17]), start[17:20]
+        self.attitude = start[CHASER_ATTITUDE] / np.linalg.norm(start[CHASER_ATTITUDE])
+        self.rate = start[CHASER_RATE]
+        self.debris = start[DEBRIS_ATTITUDE] / np.linalg.norm(start[DEBRIS_ATTITUDE]), start[DEBRIS_RATE]
         tumbling = Agility.of(pursuit.debris_inertia, np.zeros(3))
         self.fastest = tumbling.fastest_free(self.debris[1])
         self.bending = tumbling.bending * self.fastest**2

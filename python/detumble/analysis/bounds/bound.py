@@ -36,6 +36,7 @@ from detumble.scenario.conversions import ticks
 from detumble.scenario.core import case as core_case
 from detumble.scenario.files import given
 from detumble.scenario.model import Scenario
+from detumble.states import DEBRIS_ATTITUDE, DEBRIS_RATE
 
 if TYPE_CHECKING:
     import os
@@ -184,8 +185,8 @@ def _goal(pursuit: Pursuit, start: Array, slew: Slew, tick: int) -> tuple[Array 
     if pursuit.grasp_points is None:
         return None, None
     span = slice(tick - pursuit.dwell_ticks, tick + 1)
-    debris = start[13:17] / np.linalg.norm(start[13:17])
-    tumbling = tumble(pursuit.debris_inertia, debris, start[17:20], pursuit.period, tick)
+    debris = start[DEBRIS_ATTITUDE] / np.linalg.norm(start[DEBRIS_ATTITUDE])
+    tumbling = tumble(pursuit.debris_inertia, debris, start[DEBRIS_RATE], pursuit.period, tick)
     orbit_angle = pursuit.mean_motion * pursuit.period * np.arange(tick + 1.0)[span]
     to_lvlh = conjugate(pursuit.lvlh_turned(orbit_angle))  # q_HN†
     place, velocity = np.zeros((2, pursuit.dwell_ticks + 1, 3))

@@ -9,6 +9,7 @@ from detumble.analysis.bounds.goal import Goal
 from detumble.analysis.bounds.pursuit import Pursuit
 from detumble.analysis.bounds.transfer import Task, Transfer
 from detumble.quaternions import Array
+from detumble.states import DEBRIS, TRANSLATION
 
 COMMANDS = 400  # a flight of more periods holds its commands over several of them
 
@@ -32,12 +33,12 @@ def reach_at_tick(
     if tick < dwell:
         return None
     moments = period * np.arange(tick - dwell, tick + 1, dtype=np.float64)
-    goal = Goal.between(pursuit, start[13:20], period * (tick - dwell), period * tick, dwell, aligned=True)
+    goal = Goal.between(pursuit, start[DEBRIS], period * (tick - dwell), period * tick, dwell, aligned=True)
     if goal_place is not None:
         goal.state[:, :3] = goal_place
     if goal_velocity is not None:
         goal.state[:, 3:] = goal_velocity
-    task = Task(pursuit.mean_motion, start[:6], pursuit.acceleration, moments, goal)
+    task = Task(pursuit.mean_motion, start[TRANSLATION], pursuit.acceleration, moments, goal)
     if tick == 0:
         return task.fly(np.zeros(1), np.empty((0, 3)))
     group = -(-tick // COMMANDS)

@@ -28,6 +28,7 @@ from detumble.analysis.bounds.goal import Goal, GoalChange
 from detumble.analysis.bounds.hcw import drift_bend, hcw, kernel_bend
 from detumble.analysis.bounds.translation import ROUND_OFF
 from detumble.quaternions import Array
+from detumble.states import DEBRIS, DEBRIS_RATE, TRANSLATION
 
 if TYPE_CHECKING:
     from detumble.analysis.bounds.pursuit import Pursuit
@@ -60,20 +61,20 @@ class Course:
     """
 
     def __init__(self, pursuit: Pursuit, start: Array, until: float, cells: int = 256) -> None:
-        goal_change = GoalChange.of(pursuit, start[17:20])
+        goal_change = GoalChange.of(pursuit, start[DEBRIS_RATE])
         n, turned = pursuit.mean_motion, until * max(pursuit.mean_motion / ORBIT_ANGLE, goal_change.spin / DEBRIS_ANGLE)
         cells = max(cells, int(np.ceil(turned)))
         self.pursuit, self.start = pursuit, start
         self.mean_motion, self.acceleration, self.bounded = n, pursuit.acceleration, pursuit.reach.bounded
-        self.drift_bend, self.goal_change = drift_bend(n, start[:6]), goal_change
+        self.drift_bend, self.goal_change = drift_bend(n, start[TRANSLATION]), goal_change
         self.timed = bool(np.isfinite(pursuit.speed))
         drift, kernel = _nodes(n, until, cells)
-        goal = Goal.between(pursuit, start[13:20], 0.0, until, cells)
+        goal = Goal.between(pursuit, start[DEBRIS], 0.0, until, cells)
         self.radius = goal.radius
         self._place(np.linspace(0.0, until, cells + 1), kernel, self._miss(drift, goal), goal.speed)
 
     def _miss(self, drift: Array, goal: Goal) -> Array:
-        missed: Array = np.einsum("kij,j->ki", drift, self.start[:6]) - goal.state
+        missed: Array = np.einsum("kij,j->ki", drift, self.start[TRANSLATION]) - goal.state
         return missed
 
     def _place(self, times: Array, kernel: Array, miss: Array, speed: Array) -> None:
@@ -91,7 +92,7 @@ class Course:
         first, last = float(self.times[cell]), float(self.times[cell + 1])
         times = np.linspace(first, last, parts + 1)[1:-1]
         drift, kernel, _ = hcw(self.mean_motion, times)
-        whole = Goal.between(self.pursuit, self.start[13:20], first, last, parts)
+        whole = Goal.between(self.pursuit, self.start[DEBRIS], first, last, parts)
         goal = Goal(whole.state[1:-1], whole.radius, whole.speed[1:-1])
 
         def put(old: Array, new: Array) -> Array:

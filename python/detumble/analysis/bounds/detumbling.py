@@ -41,6 +41,7 @@ from detumble.analysis.bounds.pursuit import Pursuit, start_of
 from detumble.analysis.bounds.tumble import tumble
 from detumble.analysis.bounds.turn import CORNERS, REGULARISATION, Agility
 from detumble.quaternions import Array, conjugate, multiply, rotate, rotation_angle
+from detumble.states import DEBRIS_ATTITUDE, DEBRIS_RATE
 
 
 @dataclass(frozen=True)
@@ -64,8 +65,8 @@ def detumble_bound(case: Mapping[str, Any], not_before: float = 0.0) -> Detumbli
         not_before: s, a time before which nothing can be captured; captures from then on are considered.
     """
     pursuit, row = Pursuit.of(case), start_of(case)
-    attitude = row[13:17] / np.linalg.norm(row[13:17])
-    attitudes, rates = tumble(pursuit.debris_inertia, attitude, row[17:20], pursuit.period, pursuit.periods)
+    attitude = row[DEBRIS_ATTITUDE] / np.linalg.norm(row[DEBRIS_ATTITUDE])
+    attitudes, rates = tumble(pursuit.debris_inertia, attitude, row[DEBRIS_RATE], pursuit.period, pursuit.periods)
     count = not_before / pursuit.period
     first = min(pursuit.periods, max(0, math.floor(count + 1e-9 * max(1.0, count))))  # a whole number despite rounding
     rates = rates[first:]

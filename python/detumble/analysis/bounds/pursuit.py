@@ -14,6 +14,7 @@ from detumble.analysis.bounds.turn import Agility
 from detumble.compiled import tick_times
 from detumble.errors import Fault, ScenarioError
 from detumble.quaternions import Array, about_z, multiply
+from detumble.states import row_of
 
 if TYPE_CHECKING:
     from detumble.scenario.model import Scenario
@@ -118,5 +119,4 @@ def check_undisturbed(scenario: Scenario) -> None:
 
 def start_of(case: Mapping[str, Any]) -> Array:
     """The start of a plain case as one row (20,): r, v (H), chaser q, w, debris q, w."""
-    names = ("position", "velocity", "chaser_attitude", "chaser_rate", "debris_attitude", "debris_rate")
-    return np.concatenate([np.array(case["start"][name], float) for name in names])
+    return row_of(case["start"])

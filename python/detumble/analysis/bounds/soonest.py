@@ -18,6 +18,7 @@ from detumble.analysis.bounds.course import Course
 from detumble.analysis.bounds.pursuit import Pursuit
 from detumble.analysis.bounds.transfer import Bracket, Task, Transfer, pieces
 from detumble.quaternions import Array
+from detumble.states import POSITION, VELOCITY
 
 STUCK = 1e-7  # share of the time by which a proof must advance
 CLOSE = 1e-4  # gap that ends the search from above
@@ -104,8 +105,8 @@ def _guess(pursuit: Pursuit, start: Array) -> float:
     limit = pursuit.acceleration[np.isfinite(pursuit.acceleration) & (pursuit.acceleration > 0.0)]
     if not len(limit):
         return math.inf
-    far = float(np.linalg.norm(start[:3])) + float(np.linalg.norm(pursuit.goal))
-    fast, least = float(np.linalg.norm(start[3:6])), float(limit.min())
+    far = float(np.linalg.norm(start[POSITION])) + float(np.linalg.norm(pursuit.goal))
+    fast, least = float(np.linalg.norm(start[VELOCITY])), float(limit.min())
     return 2.0 * (math.sqrt(2.0 * far / least) + fast / least) + 1e-3
 
 

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from detumble.analysis.bounds.goal import Goal, GoalChange
 from detumble.analysis.bounds.hcw import hcw, held
 from detumble.quaternions import Array
+from detumble.states import DEBRIS, DEBRIS_RATE, TRANSLATION
 
 if TYPE_CHECKING:
     from detumble.analysis.bounds.pursuit import Pursuit
@@ -106,8 +107,8 @@ class Task:
     @classmethod
     def at(cls, pursuit: Pursuit, start: Array, time: float) -> Task:
         """Being within the thresholds at a time, s, widened as much as the chaser's attitude allows, as bounds need it."""
-        goal = Goal.between(pursuit, start[13:20], time, time, 0)
-        return cls(pursuit.mean_motion, start[:6], pursuit.acceleration, np.array([time]), goal)
+        goal = Goal.between(pursuit, start[DEBRIS], time, time, 0)
+        return cls(pursuit.mean_motion, start[TRANSLATION], pursuit.acceleration, np.array([time]), goal)
 
     @classmethod
     def capture(cls, pursuit: Pursuit, start: Array, time: float) -> tuple[Task, float]:
@@ -119,14 +120,14 @@ class Task:
         """
         dwell = min(time, pursuit.dwell_ticks * pursuit.period)
         strength = float(np.linalg.norm(pursuit.acceleration[np.isfinite(pursuit.acceleration)]))
-        strength += GoalChange.of(pursuit, start[17:20]).place
+        strength += GoalChange.of(pursuit, start[DEBRIS_RATE]).place
         cells, margin = 0, 0.0
         if dwell > 0.0:
             cells = int(np.clip(np.ceil(dwell * np.sqrt(strength / (0.08 * pursuit.distance))), 8, LOOKS))
             margin = min(strength * (dwell / cells) ** 2 / 8.0, 0.5 * pursuit.distance)
-        goal = Goal.between(pursuit, start[13:20], time - dwell, time, CHECKS * cells, aligned=True)
+        goal = Goal.between(pursuit, start[DEBRIS], time - dwell, time, CHECKS * cells, aligned=True)
         moments = np.linspace(time - dwell, time, CHECKS * cells + 1)
-        return cls(pursuit.mean_motion, start[:6], pursuit.acceleration, moments, goal, CHECKS), margin
+        return cls(pursuit.mean_motion, start[TRANSLATION], pursuit.acceleration, moments, goal, CHECKS), margin
 
     @property
     def knots(self) -> Array:

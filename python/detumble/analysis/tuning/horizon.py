@@ -18,6 +18,7 @@ from detumble.analysis.bounds.detumbling import detumble_bound
 from detumble.analysis.bounds.earliest import minimum_capture_times
 from detumble.analysis.bounds.pursuit import Pursuit, start_of
 from detumble.analysis.trials import Trials
+from detumble.states import PARTS, parts_of
 
 if TYPE_CHECKING:
     from detumble.quaternions import Array
@@ -25,15 +26,6 @@ if TYPE_CHECKING:
 
 STARTS = 32
 """Number of starts that the median is taken over."""
-_PLACES = {
-    "position": 0,
-    "velocity": 3,
-    "chaser_attitude": 6,
-    "chaser_rate": 10,
-    "debris_attitude": 13,
-    "debris_rate": 17,
-}
-"""First column of each quantity in a start row of the bounds."""
 
 
 def default_horizon(scenario: Scenario, seed: int, starts: int = STARTS) -> float:
@@ -47,10 +39,8 @@ def default_horizon(scenario: Scenario, seed: int, starts: int = STARTS) -> floa
     trials = Trials(scenario, seed, 0, min(starts, STARTS))
     plain, columns = trials.nominal("none"), trials.columns("none")
     rows = np.tile(start_of(plain), (trials.count, 1))
-    for name, place in _PLACES.items():
-        values = columns.get(f"start.{name}")
-        if values is not None:
-            rows[:, place : place + values.shape[1]] = values
+    for name, place in PARTS.items():
+        rows[:, place] = columns.get(f"start.{name}", rows[:, place])
     distinct = rows[:1] if (rows == rows[0]).all() else rows
     earliest = float(np.median(minimum_capture_times(Pursuit.of(plain), distinct)))
     settling = max(60.0, 10.0 * _detumbling(plain, distinct)) if scenario.capture.merge else 60.0
@@ -65,9 +55,5 @@ def _detumbling(plain: dict[str, Any], starts: Array) -> float:
         plain: nominal case.
         starts: (n, 20) rows of the bounds.
     """
-    times = []
-    for row in starts:
-        own = {name: row[place : place + len(plain["start"][name])].tolist() for name, place in _PLACES.items()}
-        times.append(detumble_bound(plain | {"start": own}).matched)
-    median = float(np.median(times))
+    median = float(np.median([detumble_bound(plain | {"start": parts_of(row)}).matched for row in starts]))
     return median if math.isfinite(median) else 0.0

@@ -42,6 +42,6 @@ class Stsmc(Law[StsmcTranslation, StsmcRotation]):
     """Super-twisting sliding mode."""
 
     title = "STSMC"
-    colour = "#E69F00"
+    colour = "#7B3FA0"
     dashes = (0, (1.0, 1.0, 4.0, 1.0))
     marker = "X"

@@ -140,7 +140,7 @@ batch_struct! {
 }
 
 impl<R: Real> ChannelMemory<R> {
-    /// Axes on which the actuators are saturated keep what they remembered before, lest an integral wind up.
+    /// Axes on which the actuators are saturated keep what they remembered before: no integral winds up.
     #[inline(always)]
     fn hold(&mut self, saturated: &[R::Mask; 3], before: &Self) {
         if let (Self::Integral(now), Self::Integral(before)) = (self, before) {

@@ -17,8 +17,7 @@ struct Setting {
     joint: Joint<f64>,
     disturbances: Disturbances<f64>,
     acting: Acting,
-    wrench: Wrench<f64>,
-    frame: WrenchFrame,
+    held: Held<f64>,
 }
 
 impl Setting {
@@ -30,8 +29,7 @@ impl Setting {
             joint: Joint::open(),
             disturbances: Disturbances::none(),
             acting: Acting { constant: LoadAxes::Lvlh, gravity_gradient: false },
-            wrench: Wrench::zero(),
-            frame: WrenchFrame::Command,
+            held: Held { wrench: Wrench::zero(), frame: WrenchFrame::Command },
         }
     }
 
@@ -53,8 +51,7 @@ impl Setting {
             joint: &self.joint,
             disturbances: &self.disturbances,
             acting: self.acting,
-            wrench: self.wrench,
-            frame: self.frame,
+            held: self.held,
         }
     }
 
@@ -85,11 +82,11 @@ fn loads_of_size_zero_leave_the_plant_as_it_is() {
     for frame in [WrenchFrame::Command, WrenchFrame::Body, WrenchFrame::Lvlh] {
         let mut random = Random::new(21);
         let mut setting = Setting::new(&mut random);
-        (setting.wrench, setting.frame) = (Wrench { force: random.vector(0.05), torque: random.vector(2e-3) }, frame);
+        setting.held = Held { wrench: Wrench { force: random.vector(0.05), torque: random.vector(2e-3) }, frame };
         let start = motion(&mut random);
         let disturbed = setting.fly(&start, 0.05, 600);
         let (mut free, around) = (start, setting.around(0.05));
-        propagate(&around, &setting.vehicle, &mut free, &setting.wrench, frame, &period(0.05, 600));
+        propagate(&around, &setting.vehicle, &mut free, &setting.held, &period(0.05, 600));
         let truncation = if frame == WrenchFrame::Lvlh { 1e-7 } else { 2e-12 }; // there the plant integrates another way
         assert_near(&disturbed.position.0, &free.position.0, 2e-11);
         assert!(angle_between(disturbed.chaser_attitude, free.chaser_attitude) < truncation);
@@ -166,7 +163,7 @@ fn disturbed_motion_converges_with_fourth_order() {
             debris_force: random.vector(0.05),
             debris_torque: random.vector(1e-3),
         };
-        setting.wrench = Wrench { force: random.vector(0.05), torque: random.vector(5e-3) };
+        setting.held.wrench = Wrench { force: random.vector(0.05), torque: random.vector(5e-3) };
         let start =
             Motion { chaser_rate: Vec3([0.3, -0.5, 0.4]), debris_rate: Vec3([0.4, 0.3, -0.5]), ..motion(&mut random) };
         let steps = [0.4, 0.2, 0.1, 0.05];

@@ -40,7 +40,7 @@ fn fly(
     for k in 0..periods {
         let (time, step) = (f64::from(k) * period, period / f64::from(steps));
         let period = Period { time, step, steps, shapes: Shapes::default() };
-        propagate(around, vehicle, &mut motion, wrench, frame, &period);
+        propagate(around, vehicle, &mut motion, &Held { wrench: *wrench, frame }, &period);
     }
     motion
 }
