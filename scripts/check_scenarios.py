@@ -46,7 +46,7 @@ def faults(name: str, scenario: Scenario, law: str, flown: dict[str, NDArray[np.
         found.append(f"settled only after {LATEST:.0%} of the flight")
     if np.nanmin(capture, initial=np.inf) < minimum:
         found.append(f"captured before the minimum time, {minimum:.1f} s")
-    if name == "paper":
+    if name == "paper" and law in PUBLISHED_CAPTURE_TIMES:
         published = PUBLISHED_CAPTURE_TIMES[law]
         if (off := float(np.nanmax(np.abs(capture / published - 1.0), initial=0.0))) > WITHIN:
             found.append(f"{off:.1%} off the published {published} s")

@@ -121,7 +121,8 @@ def test_the_portable_path_agrees_to_1e_12_over_600_s_without_noise(name: str, l
     """m, m/s, rad/s, quaternion components. No law shipped amplifies round-off that far.
 
     Measured: mostly 1e-14 or less; 8e-13 rad/s for corrected TSMC on `twelve_u`, whose terminal surface has an infinite slope
-    at zero error; 2e-7 rad/s for STSMC there, whose reaching law has one at s = 0, and a sign that round-off may turn a tick sooner.
+    at zero error; 2e-7 rad/s for STSMC there, whose reaching law has one at s = 0, and a sign that round-off may turn a tick
+    sooner.
     """
     scenario = with_settings(detumble.load(name), QUIET)
     assert scenario.time.duration == 600.0

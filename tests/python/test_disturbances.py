@@ -9,8 +9,10 @@ import pytest
 
 import detumble
 from detumble.analysis.bounds.earliest import minimum_capture_time
+from detumble.analysis.bounds.runs import capture_bounds
 from detumble.analysis.comparing import Plan, compare
 from detumble.analysis.comparing.report import text_of
+from detumble.analysis.trials import Trials
 from detumble.campaigns.runs.overlay import overlay
 from detumble.errors import ScenarioError
 from detumble.scenario import Scenario, from_toml, with_settings
@@ -94,7 +96,7 @@ def test_loads_are_dispersed_like_any_field() -> None:
 
 def test_bounds_refuse_in_words() -> None:
     scenario = with_settings(detumble.load("paper"), ["disturbances.constant={chaser_force=[0.0, 0.001, 0.0]}"])
-    for call in (detumble.bound, minimum_capture_time):
+    for call in (detumble.bound, minimum_capture_time, lambda one: capture_bounds(Trials(one, 0, 0, 2))):
         with pytest.raises(
             ScenarioError, match=r"disturbances\.constant.*acts; bounds hold only where no disturbance does"
         ):

@@ -110,7 +110,7 @@ impl Job for Worker<'_> {
         };
         let idle = self.fleet.prepared(first);
         let mut scene = Scene::<R>::new(&self.fleet.recipe().plan, self.fleet.common(), &idle);
-        let mut flight = Batch::<R>::same(&idle.start());
+        let mut flight = Batch::<R>::same(&idle.start(&self.fleet.recipe().plan));
         let mut noise = Stream::new(self.operation.seed, |_| self.operation.stream(first));
         let mut metrics = Metrics::default();
         let mut assigned = vec![None; R::LANES];
@@ -141,7 +141,7 @@ impl Assignment<'_> {
         let assigned = self.assigned[lane].map(|i| self.worker.fleet.prepared(i));
         let prepared = assigned.as_ref().unwrap_or(&self.idle);
         scene.put(lane, prepared);
-        flight.put(lane, &prepared.start());
+        flight.put(lane, &prepared.start(&scene.plan));
         noise.set_lane(lane, self.worker.operation.stream(self.assigned[lane].unwrap_or(0)));
     }
 }

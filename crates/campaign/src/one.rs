@@ -52,7 +52,7 @@ impl Job for OneFlight<'_> {
     fn run<R: Real>(self) -> FlightRecord {
         let (plan, prepared) = (&self.recipe.plan, PreparedFlight::new(self.recipe));
         let mut scene = Scene::<R>::new(plan, self.common, &prepared);
-        let mut flight = Batch::<R>::same(&prepared.start());
+        let mut flight = Batch::<R>::same(&prepared.start(plan));
         let mut noise = Stream::new(self.seed, |_| self.index);
         let mut observer = (Interruptible(self.stop), (History::new(plan.periods), Metrics::default()));
         let last = fly_alone(&mut scene, &mut flight, &mut noise, &mut observer);

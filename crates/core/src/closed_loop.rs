@@ -55,12 +55,11 @@ fn control_tick<R: Real, O: Observer<R>>(
     let measured = scene.sensors().step(&mut flight.memory.sensors, sensed);
     let estimate = navigation::Direct.step(&mut flight.memory.navigator, &measured);
     let goal = guide(scene, flight, &estimate.motion, time);
-    let learnt = flight.memory.law;
     let (demand, frame) = command(scene, flight, &estimate, &goal, number);
     let commanded = allocation::Direct.step(&mut flight.memory.allocator, &demand);
     let applied = scene.actuators().step(&mut flight.memory.actuators, &commanded);
-    if let (Some(memory), Some(before)) = (&mut flight.memory.law, &learnt) {
-        memory.hold(&applied, before);
+    if let Some(memory) = &mut flight.memory.law {
+        memory.grow(&applied);
     }
 
     let flown = number.lt(R::splat(f64::from(plan.periods))) & flight.commanded();
@@ -76,20 +75,21 @@ fn fly_on<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, held: &Held<R>, tim
     let period = Period { time, step: scene.step, steps: plan.steps_per_period, shapes: scene.common.shapes };
     let Numbers { around, case, .. } = &scene.numbers;
     if plan.disturbances.any() {
-        let disturbed = Disturbed {
+        flight.truth = R::apart(Disturbed {
             around,
-            vehicle: &flight.vehicle,
             masses: [case.chaser.mass, case.debris.mass],
-            joint: &flight.joint,
             disturbances: &case.disturbances,
             acting: plan.disturbances,
+            vehicle: flight.vehicle,
+            joint: flight.joint,
             held: *held,
-        };
-        disturbed.propagate(&mut flight.truth, &period);
+            motion: flight.truth,
+            period,
+        });
     } else {
         propagate(around, &flight.vehicle, &mut flight.truth, held, &period);
     }
-    ride_along(plan, flight);
+    follow_chaser(plan, flight);
 }
 
 /// Flies all lanes, each from its tick 0 to the tick at which its flight is over: that one is judged and commanded, but not
@@ -153,12 +153,17 @@ fn merge<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, lanes: R::Mask, time
             flight.no_gains.set_lane(i, no_gains(&Batch::<R>::scatter(&after, i)));
         }
     }
-    ride_along(&scene.plan, flight);
+    let memory = &mut flight.memory;
+    scene.sensors().hand_over(&mut memory.sensors, lanes);
+    Part::<R>::hand_over(&navigation::Direct, &mut memory.navigator, lanes);
+    Part::<R>::hand_over(&allocation::Direct, &mut memory.allocator, lanes);
+    scene.actuators().hand_over(&mut memory.actuators, lanes);
+    follow_chaser(&scene.plan, flight);
 }
 
 /// After capture the debris is fixed to the chaser.
 #[inline(always)]
-fn ride_along<R: Real>(plan: &Plan, flight: &mut Flight<R>) {
+fn follow_chaser<R: Real>(plan: &Plan, flight: &mut Flight<R>) {
     let merged = flight.capture.captured();
     if plan.transition.merges() && merged.any() {
         let attitude = flight.truth.chaser_attitude * flight.joint.mount;

@@ -3,14 +3,16 @@
 //! Everything is generic over [`number::Real`]: one `f64` flies one trajectory, SIMD lanes fly several at once.
 //! The crate is pure mathematics: no threads, no files, no allocation inside the loop.
 //!
-//! Rooms, in the order in which the data flows:
+//! Modules, in the order in which they build on each other:
 //!
 //! - [`number`]: the numeric trait, lanes, vectors, quaternions, random streams
-//! - [`plant`]: orbit, attitude, propagation, and how two bodies become one
+//! - [`batch`]: from one trajectory's numbers to lanes; [`part`]: the one shape of what is on board; [`clock`]: names of times
+//! - [`plant`]: orbit, attitude, disturbances, propagation, and how two bodies become one
 //! - [`hardware`]: sensors and actuators
-//! - [`gnc`]: guidance, tracking errors, capture, control laws
-//! - [`closed_loop`]: one control period, top to bottom on one screen; [`scene`]: what a batch of flights has in common
-//! - [`metrics`], [`history`]: what is kept of a flight; [`clock`]: what its times are called
+//! - [`gnc`]: navigation, guidance, tracking errors, capture, control laws, allocation
+//! - [`plan`], [`case`]: what a flight starts from; [`flight`]: its state; [`scene`]: what a batch of flights has in common
+//! - [`closed_loop`]: one control period, top to bottom on one screen
+//! - [`observer`], [`metrics`], [`history`]: what is kept of a flight
 //!
 //! Units are SI. Frames: N inertial, H the target orbit's LVLH frame, C chaser, D debris, S the stack after capture.
 

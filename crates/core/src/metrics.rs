@@ -226,7 +226,7 @@ impl<R: Real> Metrics<R> {
         let tick = |so: bool, time: f64| if so { scene.clock.tick_at(time) } else { 0 };
         let (capture_tick, settled_tick) = (tick(captured, flight.capture.time.lane(i)), tick(settled, settled_from));
         let label = |so: bool, tick: u64| if_so(so, scene.clock.time_of(tick));
-        // Nobody waits for a stack to settle where there is none, or where the flight ends at capture.
+        // A stack must settle only where there is one, and where the flight does not end at capture.
         let awaited = merged && plan.end != End::Captured;
         let final_stack = merged && diverged == NEVER && !no_gains;
         let end_angle = angle(error.attitude.vector().lane(i).norm(), error.attitude.scalar().lane(i));

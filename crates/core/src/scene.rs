@@ -5,9 +5,11 @@ use crate::batch_struct;
 use crate::case::{Case, FlightRecipe};
 use crate::clock::Clock;
 use crate::flight::{Flight, Memory};
+use crate::gnc::allocation;
 use crate::gnc::capture::{CaptureState, CaptureTest, SettledTest};
 use crate::gnc::guidance::{self, Goal, GraspPoints, Target};
 use crate::gnc::laws::{Law, LawRecipe, MassProperties, Phase, Segment, Setting};
+use crate::gnc::navigation;
 use crate::hardware::actuators::Actuators;
 use crate::hardware::sensors::{Noisy, Sensors};
 use crate::number::{Mask, Real, Vec3};
@@ -114,18 +116,18 @@ impl PreparedFlight {
     }
 
     /// The state in which the flight begins.
-    pub fn start(&self) -> Flight<f64> {
+    pub fn start(&self, plan: &Plan) -> Flight<f64> {
         let case = &self.numbers.case;
         Flight {
             truth: case.start,
             vehicle: self.numbers.chaser,
             law: self.laws.before,
             memory: Memory {
-                sensors: (),
-                navigator: (),
+                sensors: Sensors { sigmas: &case.sensors, noisy: Noisy::new(&case.sensors) }.begin(),
+                navigator: Part::<f64>::begin(&navigation::Direct),
                 law: self.laws.before.as_ref().map(Part::begin),
-                allocator: (),
-                actuators: (),
+                allocator: Part::<f64>::begin(&allocation::Direct),
+                actuators: Actuators { limits: &case.actuators, saturation: plan.saturation }.begin(),
             },
             capture: CaptureState::open(),
             joint: Joint::open(),
@@ -169,7 +171,7 @@ impl Common {
             noisy: Noisy::new(&case.sensors),
             shapes: Shapes {
                 principal_axes: chaser.is_diagonal() && debris.is_diagonal() && !merges_askew,
-                symmetric_debris: is_symmetric_top(debris),
+                symmetric_debris: is_symmetric_top(debris) && !plan.disturbances.any(),
             },
             same_laws: *law == recipe.law
                 && case.belief == recipe.case.belief

@@ -27,14 +27,13 @@ ENDINGS = {"lower": "no less than", "upper": "done in", "matched": "after a perf
 def bounds_of_runs(scenario: Scenario, runs: int, seed: int, within: float | None, quick: bool) -> dict[str, Array]:
     """Bound the first runs of the campaign, with a progress line."""
     from detumble.analysis.bounds.bound import time_within
-    from detumble.analysis.bounds.pursuit import Pursuit, check_undisturbed
+    from detumble.analysis.bounds.pursuit import Pursuit
     from detumble.analysis.bounds.runs import all_bounds, capture_bounds
     from detumble.analysis.trials import Trials
     from detumble.checking import MOST_SEED, whole
     from detumble.commands.progress import Line
 
     runs, seed = whole("runs", runs, 1, 10**7), whole("seed", seed, 0, MOST_SEED)
-    check_undisturbed(scenario)
     trials = Trials(scenario, seed, 0, runs)
     until = time_within(Pursuit.of(trials.nominal("none")), within)
     with Line(None, "runs") as line:

@@ -14,17 +14,22 @@ _ZERO: Vector = (0.0, 0.0, 0.0)
 
 
 def _load(body: str, what: Literal["force", "torque"]) -> Quantity:
-    unit, most = ("N", 1e6) if what == "force" else ("N m", 1e6)
     place = Place(f"disturbances.constant.{body}_{what}", Rule("zeros"))
-    return Quantity(unit, f"on the {body}", shape="vector", place=place, least=-most, most=most)
+    unit, where = ("N", " at its centre of mass") if what == "force" else ("N m", "")
+    return Quantity(unit, f"{what} on the {body}{where}", shape="vector", place=place, least=-1e6, most=1e6)
 
 
 class ConstantLoads(Section):
-    """Forces and torques that stay as they are: solar pressure, drag, a leak. Forces act at the centre of mass of their body.
+    """Forces and torques that stay as they are: solar pressure, drag, a leak; they act where this table is, be they zero.
 
-    The stack carries on the loads of both, where and in the axes in which they began. A force on the debris moves it away from
-    the origin of H: what counts before capture is the difference of the accelerations.
+    On the stack the loads of both bodies act, where and in the axes in which they began. What counts before capture is the
+    difference of the accelerations; at capture H begins anew at the debris, wherever its own forces have moved it.
     """
+
+    @classmethod
+    def table(cls) -> str:
+        """Name the section in front of its fields."""
+        return "disturbances.constant."
 
     axes: Literal["lvlh", "body"] = Field(
         "lvlh", description="constant in H, or each in the axes of its body, with which it turns"

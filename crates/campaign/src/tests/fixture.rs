@@ -9,7 +9,7 @@ use detumble_core::gnc::guidance::GoalPositions;
 use detumble_core::gnc::guidance::{Goal, StackGoal};
 use detumble_core::gnc::laws::belief::Belief;
 use detumble_core::gnc::laws::{
-    AttitudeError, Form, Gains, LawRecipe, PhaseGains, StackBelief, SurfaceRate, lqr, pd, prrl, sosmc, tsmc,
+    AttitudeError, Form, Gains, LawRecipe, PhaseGains, StackBelief, SurfaceRate, lqr, pd, prrl, sosmc, stsmc, tsmc,
 };
 use detumble_core::hardware::actuators::Limits;
 use detumble_core::hardware::actuators::Saturation;
@@ -24,7 +24,7 @@ use detumble_core::plant::stack::Transition;
 use detumble_core::scene::Common;
 use std::sync::atomic::{AtomicBool, AtomicUsize};
 
-pub const LAWS: [&str; 5] = ["pd", "lqr", "sosmc", "tsmc", "prrl"];
+pub const LAWS: [&str; 6] = ["pd", "lqr", "sosmc", "tsmc", "prrl", "stsmc"];
 
 /// How a fleet flies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -265,6 +265,11 @@ fn law_recipe(law: &str, way: Way) -> LawRecipe {
             };
             let (p, q) = if form == Form::Printed { (5.0 / 3.0, 5.0 / 3.0) } else { (0.6, 7.0 / 9.0) };
             LawRecipe::Tsmc(of(form, gains(0.0166, 0.008, 0.02, p), gains(0.6, 0.06, 0.03, q)))
+        }
+        "stsmc" => {
+            let gains = |slope, k1, k2| stsmc::Gains { slope: v(slope), k1: v(k1), k2: v(k2) };
+            let one = of(form, gains(0.0181, 6.68e-3, 5.91e-6), gains(0.522, 0.402, 1.08e-3));
+            LawRecipe::Stsmc(Gains { form: None, ..one })
         }
         _ => {
             let gains =

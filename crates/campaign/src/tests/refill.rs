@@ -6,7 +6,7 @@ use detumble_core::number::Backend;
 use detumble_core::plan::End;
 
 #[test]
-fn flights_of_unequal_length_relieve_one_another_and_keep_their_bits() {
+fn lanes_take_flights_of_unequal_length_one_after_another_and_keep_their_bits() {
     for (law, end) in LAWS.iter().flat_map(|law| [(law, End::Captured), (law, End::Settled)]) {
         let mut campaign = Campaign::new(law, Way::Paper, 300, true);
         (campaign.plan.end, campaign.plan.hold_ticks) = (end, 20);

@@ -108,7 +108,7 @@ fn recipe() -> FlightRecipe {
 fn watch(recipe: &FlightRecipe) -> (Log, Flight<f64>) {
     let prepared = PreparedFlight::new(recipe);
     let mut scene = Scene::<f64>::new(&recipe.plan, Common::new(recipe, []).unwrap(), &prepared);
-    let (mut flight, mut log) = (prepared.start(), Log::default());
+    let (mut flight, mut log) = (prepared.start(&recipe.plan), Log::default());
     fly_alone(&mut scene, &mut flight, &mut Stream::new(1, |_| 0), &mut log);
     (log, flight)
 }

@@ -78,7 +78,7 @@ fn recipe(law: LawRecipe) -> FlightRecipe {
 fn summary(recipe: &FlightRecipe) -> Summary {
     let prepared = PreparedFlight::new(recipe);
     let mut scene = Scene::<f64>::new(&recipe.plan, Common::new(recipe, []).unwrap(), &prepared);
-    let (mut flight, mut metrics) = (prepared.start(), Metrics::default());
+    let (mut flight, mut metrics) = (prepared.start(&recipe.plan), Metrics::default());
     let last = fly_alone(&mut scene, &mut flight, &mut Stream::new(0, |_| 0), &mut metrics);
     metrics.summary(&scene, &flight, last, 0)
 }

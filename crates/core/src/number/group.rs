@@ -3,7 +3,7 @@
 //! One evaluation of a polynomial waits for itself at every step, and loads a constant for every step. A group of
 //! independent arguments fills the wait and shares the constants: three powers at once cost little more than two.
 
-use super::real::{Bits, Mask, Real};
+use super::real::{Bits, Mask, Real, Work};
 use core::ops::{Add, AddAssign, BitAnd, BitOr, BitXor, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
 
 /// `N` numbers, masks or integers of the same kind. Lanes are those of the first, then of the second, and so on.
@@ -127,6 +127,11 @@ impl<T: Real, const N: usize> Real for Group<T, N> {
     const FUSED: bool = T::FUSED;
     type Mask = Group<T::Mask, N>;
     type Bits = Group<T::Bits, N>;
+
+    #[inline(always)]
+    fn apart<W: Work>(work: W) -> W::Output {
+        T::apart(work)
+    }
 
     #[inline(always)]
     fn splat(x: f64) -> Self {

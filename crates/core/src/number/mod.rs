@@ -28,5 +28,5 @@ pub use dispatch::{Backend, Job, dispatch, fma_peak};
 pub use matrix::Mat3;
 pub use philox::Stream;
 pub use quaternion::Quat;
-pub use real::{Bits, Mask, Real};
+pub use real::{Bits, Mask, Real, Work};
 pub use vector::Vec3;

@@ -45,6 +45,14 @@ pub trait Bits:
     fn mul_low32(self, other: Self) -> Self;
 }
 
+/// Work on numbers of one type: a closure whose attributes can be trusted.
+pub trait Work {
+    /// What the work results in.
+    type Output;
+    /// Does the work. Mark the implementation `#[inline(always)]`, and all it calls that touches a [`Real`].
+    fn run(self) -> Self::Output;
+}
+
 /// A real number, or several in lockstep: `f64`, or SIMD lanes of `f64`.
 ///
 /// Operations work lane by lane and mean the same on every type, bit for bit, with one exception: [`Real::mul_add`]
@@ -69,6 +77,9 @@ pub trait Real:
     type Mask: Mask;
     /// The lanes as 64-bit integers.
     type Bits: Bits;
+
+    /// Does work in a function of its own, with the instructions of this type: for what the loop seldom does.
+    fn apart<W: Work>(work: W) -> W::Output;
 
     /// The same number in every lane.
     fn splat(x: f64) -> Self;

@@ -1,6 +1,6 @@
 //! `f64` as a [`Real`]: one trajectory, on any machine.
 
-use super::real::{Bits, Mask, Real};
+use super::real::{Bits, Mask, Real, Work};
 use core::num::Wrapping;
 
 impl Mask for bool {
@@ -62,6 +62,10 @@ impl Real for f64 {
     type Mask = bool;
     type Bits = Wrapping<u64>;
 
+    #[inline(never)]
+    fn apart<W: Work>(work: W) -> W::Output {
+        work.run()
+    }
     #[inline(always)]
     fn splat(x: f64) -> Self {
         x

@@ -5,7 +5,7 @@
 //! of these types exists, or one of their functions runs, the instructions exist too.
 #![allow(unsafe_code)]
 
-use super::real::{Bits, Mask, Real};
+use super::real::{Bits, Mask, Real, Work};
 use core::arch::x86_64::*;
 use core::mem::transmute;
 use core::ops::{Add, AddAssign, BitAnd, BitOr, BitXor, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
@@ -49,7 +49,7 @@ macro_rules! assign {
 macro_rules! lanes {
     (
         $(#[$doc:meta])*
-        $float:ident($vector:ty), $bits:ident($integers:ty), $mask:ident, $lanes:literal,
+        $float:ident($vector:ty), $bits:ident($integers:ty), $mask:ident, $lanes:literal, $features:literal,
         set1: $set1:ident, add: $add:ident, sub: $sub:ident, mul: $mul:ident, div: $div:ident,
         fmadd: $fmadd:ident, sqrt: $sqrt:ident, min: $min:ident, max: $max:ident, cmp: $cmp:ident,
         to_bits: $to_bits:ident, from_bits: $from_bits:ident,
@@ -116,6 +116,15 @@ macro_rules! lanes {
             type Mask = $mask;
             type Bits = $bits;
 
+            #[inline(always)]
+            fn apart<W: Work>(work: W) -> W::Output {
+                #[inline(never)]
+                #[target_feature(enable = $features)]
+                fn with_instructions<W: Work>(work: W) -> W::Output {
+                    work.run()
+                }
+                on_cpu!(with_instructions(work))
+            }
             #[inline(always)]
             fn splat(x: f64) -> Self {
                 Self(on_cpu!($set1(x)))
@@ -191,7 +200,7 @@ const SIGN: u64 = 1 << 63;
 
 lanes! {
     /// Four trajectories: AVX2 and FMA.
-    F64x4(__m256d), U64x4(__m256i), Mask4, 4,
+    F64x4(__m256d), U64x4(__m256i), Mask4, 4, "avx2,fma,bmi2",
     set1: _mm256_set1_pd, add: _mm256_add_pd, sub: _mm256_sub_pd, mul: _mm256_mul_pd, div: _mm256_div_pd,
     fmadd: _mm256_fmadd_pd, sqrt: _mm256_sqrt_pd, min: _mm256_min_pd, max: _mm256_max_pd, cmp: _mm256_cmp_pd,
     to_bits: _mm256_castpd_si256, from_bits: _mm256_castsi256_pd,
@@ -201,7 +210,7 @@ lanes! {
 
 lanes! {
     /// Eight trajectories: AVX-512.
-    F64x8(__m512d), U64x8(__m512i), Mask8, 8,
+    F64x8(__m512d), U64x8(__m512i), Mask8, 8, "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma,bmi2",
     set1: _mm512_set1_pd, add: _mm512_add_pd, sub: _mm512_sub_pd, mul: _mm512_mul_pd, div: _mm512_div_pd,
     fmadd: _mm512_fmadd_pd, sqrt: _mm512_sqrt_pd, min: _mm512_min_pd, max: _mm512_max_pd, cmp: _mm512_cmp_pd_mask,
     to_bits: _mm512_castpd_si512, from_bits: _mm512_castsi512_pd,

@@ -6,17 +6,20 @@
 //!   exact response to a push, at the beginning, the middle and the end of the step. r is relative to the debris, which its own
 //!   forces move as well: the acceleration is F_c/m_c - F_d/m_d before capture, ΣF/m of the stack after it.
 //!
-//! Assumption: H stays the frame of the circular orbit, however the debris is pushed.
+//! Assumptions:
+//! 1. H stays the frame of the circular orbit, however the debris is pushed.
+//! 2. At capture H begins anew at the debris: what its own forces have moved it since t = 0 is dropped.
 
 use super::attitude::{Inertia, RigidBody, Spin, rotated};
-use super::disturbances::{Acting, Disturbances, Exposed, Of};
+use super::disturbances::constant::LoadAxes;
+use super::disturbances::{Acting, Disturbances, Exposed, Which};
 use super::lvlh::Lvlh;
 use super::motion::Motion;
 use super::propagate::{Period, Surroundings};
 use super::rk4::{Dynamics, rk4_sum};
 use super::wrench::{Held, Wrench, WrenchFrame};
 use crate::batch_struct;
-use crate::number::{Quat, Real, Vec3};
+use crate::number::{Quat, Real, Vec3, Work};
 use crate::plant::body::Vehicle;
 
 batch_struct! {
@@ -39,106 +42,169 @@ impl<R: Real> Joint<R> {
     }
 }
 
-/// The plant and all that acts on it over a control period.
+/// A control period of both bodies, and all that acts on them. What changes in flight comes by value: the loop keeps no
+/// memory for it where nothing disturbs.
 pub struct Disturbed<'a, R> {
     /// Orbit and debris.
     pub around: &'a Surroundings<R>,
-    /// What flies.
-    pub vehicle: &'a Vehicle<R>,
     /// Masses of chaser and debris \[kg\].
     pub masses: [R; 2],
-    /// The bodies' connection.
-    pub joint: &'a Joint<R>,
     /// Disturbances.
     pub disturbances: &'a Disturbances<R>,
     /// Those that act.
     pub acting: Acting,
+    /// What flies.
+    pub vehicle: Vehicle<R>,
+    /// The bodies' connection.
+    pub joint: Joint<R>,
     /// The actuators' wrench.
     pub held: Held<R>,
+    /// Where it begins.
+    pub motion: Motion<R>,
+    /// The period.
+    pub period: Period<R>,
+}
+
+impl<R: Real> Work for Disturbed<'_, R> {
+    type Output = Motion<R>;
+
+    /// The motion at the end of the period.
+    #[inline(always)]
+    fn run(self) -> Motion<R> {
+        let mut motion = self.motion;
+        for i in 0..self.period.steps {
+            let begin = self.period.time + R::splat(f64::from(i) * self.period.step);
+            self.integrate(&mut motion, begin, R::splat(self.period.step));
+        }
+        motion
+    }
 }
 
 impl<R: Real> Disturbed<'_, R> {
-    /// Moves both bodies over the period.
-    #[inline(never)]
-    pub fn propagate(&self, motion: &mut Motion<R>, period: &Period<R>) {
-        for i in 0..period.steps {
-            self.integrate(motion, period.time + R::splat(f64::from(i) * period.step), R::splat(period.step));
-        }
-    }
-
+    #[inline(always)]
     fn integrate(&self, motion: &mut Motion<R>, begin: R, h: R) {
         let half = h * R::splat(0.5);
-        let chaser = |time: R, attitude: &Quat<R>| self.on_chaser(time, attitude).torque;
-        let debris = |time: R, attitude: &Quat<R>| self.on_debris(time, attitude).torque;
-        let (start, tumbling) = (motion.chaser(), motion.debris());
-        let middle = turn(&self.vehicle.inertia, &start, begin, half, &chaser);
-        let end = turn(&self.vehicle.inertia, &start, begin, h, &chaser);
-        let tumbled = turn(&self.around.debris, &tumbling, begin, half, &debris);
-        let tumbled_on = turn(&self.around.debris, &tumbling, begin, h, &debris);
+        let (chaser, debris) = (motion.chaser(), motion.debris());
+        let [first, middle, last] = [begin, begin + half, begin + h].map(|time| self.to_lvlh_at(time));
+        let over = Span { to_lvlh: [first, middle, last], h };
+        let chaser_end = self.turn(Which::Chaser, &chaser, &over);
+        let debris_end = self.turn(Which::Debris, &debris, &over);
 
-        let sixth = h * R::splat(1.0 / 6.0);
-        let first = self.push(begin, &start, &tumbling) * sixth;
-        let second = self.push(begin + half, &middle, &tumbled) * (sixth * R::splat(4.0));
-        let third = self.push(begin + h, &end, &tumbled_on) * sixth;
         let held = match self.held.frame {
             WrenchFrame::Body => Vec3::zero(),
             WrenchFrame::Command | WrenchFrame::Lvlh => self.held.wrench.force * self.vehicle.inverse_mass,
         };
-        let coast = &self.around.half_step;
-        let (r, v) = coast.advance(motion.position, motion.velocity + first, held);
-        let (r, v) = coast.advance(r, v + second, held);
-        (motion.position, motion.velocity) = (r, v + third);
-        motion.set_chaser(end);
-        motion.set_debris(tumbled_on);
+        if self.acting.constant == LoadAxes::None && self.held.frame != WrenchFrame::Body {
+            // No other forces.
+            let exact = &self.around.translation;
+            (motion.position, motion.velocity) = exact.advance(motion.position, motion.velocity, held);
+        } else {
+            let over = Span { to_lvlh: [first, self.to_lvlh_at(begin + half * R::splat(0.5)), middle], h: half };
+            let chaser_middle = self.turn(Which::Chaser, &chaser, &over);
+            let debris_middle = self.turn(Which::Debris, &debris, &over);
+            let sixth = h * R::splat(1.0 / 6.0);
+            let push = self.push(&first, &chaser, &debris) * sixth;
+            let second = self.push(&middle, &chaser_middle, &debris_middle) * (sixth * R::splat(4.0));
+            let third = self.push(&last, &chaser_end, &debris_end) * sixth;
+            let coast = &self.around.half_step;
+            let (r, v) = coast.advance(motion.position, motion.velocity + push, held);
+            let (r, v) = coast.advance(r, v + second, held);
+            (motion.position, motion.velocity) = (r, v + third);
+        }
+        motion.set_chaser(chaser_end);
+        motion.set_debris(debris_end);
     }
 
-    /// Wrench on what flies, body axes, but for a force that the actuators hold in H.
-    fn on_chaser(&self, time: R, attitude: &Quat<R>) -> Wrench<R> {
-        let lvlh = Lvlh::at(&self.around.orbit, time);
-        let body = |of, attitude, inertia| Exposed::new(of, attitude, inertia, &lvlh);
-        let own = body(Of::Chaser, *attitude, &self.vehicle.inertia.tensor);
-        let carried = body(Of::Debris, *attitude * self.joint.mount, &self.around.debris.tensor);
-        let natural = self.disturbances.on(self.acting, &own);
-        let loads = self.disturbances.loads(self.acting, &own);
-        let debris = self.disturbances.loads(self.acting, &carried);
-        let debris_force = self.joint.mount.rotate(debris.force) * self.joint.joined;
-        let debris_torque = self.joint.mount.rotate(debris.torque) * self.joint.joined;
-        let [chaser_mass, debris_mass] = self.masses;
-        let share = chaser_mass / (chaser_mass + debris_mass);
-        // Both offsets from the stack's centre of mass are zero before capture.
-        let levers = (self.joint.offset * (R::one() - share)).cross(loads.force)
-            - (self.joint.offset * share).cross(debris_force);
-
-        let (force, torque) = match self.held.frame {
-            WrenchFrame::Command => (Vec3::zero(), self.held.wrench.torque),
-            WrenchFrame::Body => (self.held.wrench.force, self.held.wrench.torque),
-            WrenchFrame::Lvlh => (Vec3::zero(), own.to_lvlh.rotate_inverse(self.held.wrench.torque)),
-        };
-        Wrench { force: force + natural.force + debris_force, torque: torque + natural.torque + debris_torque + levers }
+    /// N -> H.
+    #[inline(always)]
+    fn to_lvlh_at(&self, time: R) -> Quat<R> {
+        Lvlh::at(&self.around.orbit, time).attitude.conjugate()
     }
 
-    /// Wrench on free debris, its axes.
-    fn on_debris(&self, time: R, attitude: &Quat<R>) -> Wrench<R> {
-        let lvlh = Lvlh::at(&self.around.orbit, time);
-        self.disturbances.on(self.acting, &Exposed::new(Of::Debris, *attitude, &self.around.debris.tensor, &lvlh))
+    #[inline(always)]
+    fn inertia(&self, which: Which) -> &Inertia<R> {
+        match which {
+            Which::Chaser => &self.vehicle.inertia,
+            Which::Debris => &self.around.debris,
+        }
+    }
+
+    /// Wrench on a body, its axes, but for a force that the actuators hold in H. `to_lvlh` is N -> H.
+    #[inline(always)]
+    fn on(&self, which: Which, to_lvlh: &Quat<R>, attitude: Quat<R>) -> Wrench<R> {
+        let n = self.around.orbit.mean_motion;
+        let body =
+            Exposed { which, to_lvlh: *to_lvlh * attitude, inertia: &self.inertia(which).tensor, mean_motion: n };
+        let free = self.disturbances.on_whole(self.acting, &body) + self.disturbances.loads(self.acting, &body);
+        match which {
+            Which::Debris => free,
+            Which::Chaser => free + self.carried(to_lvlh, attitude, &body) + self.actuated(&body),
+        }
+    }
+
+    /// What the debris adds to the stack: its own loads, and the levers of both bodies' forces about the common centre of mass.
+    /// Zero before capture.
+    #[inline(always)]
+    fn carried(&self, to_lvlh: &Quat<R>, attitude: Quat<R>, chaser: &Exposed<'_, R>) -> Wrench<R> {
+        let Joint { joined, mount, offset } = self.joint;
+        let debris = Exposed { which: Which::Debris, to_lvlh: *to_lvlh * (attitude * mount), ..*chaser };
+        let Wrench { force, torque } = self.disturbances.loads(self.acting, &debris);
+        let (force, torque) = (mount.rotate(force) * joined, mount.rotate(torque) * joined);
+        let own = self.disturbances.loads(self.acting, chaser).force;
+        let share = self.masses[0] / (self.masses[0] + self.masses[1]);
+        let levers = (offset * (R::one() - share)).cross(own) - (offset * share).cross(force);
+        Wrench { force, torque: torque + levers }
+    }
+
+    /// What the actuators give, but for a force held in H.
+    #[inline(always)]
+    fn actuated(&self, chaser: &Exposed<'_, R>) -> Wrench<R> {
+        let Wrench { force, torque } = self.held.wrench;
+        match self.held.frame {
+            WrenchFrame::Command => Wrench { force: Vec3::zero(), torque },
+            WrenchFrame::Body => Wrench { force, torque },
+            WrenchFrame::Lvlh => Wrench { force: Vec3::zero(), torque: chaser.to_lvlh.rotate_inverse(torque) },
+        }
     }
 
     /// Relative acceleration in H that the forces in body axes give \[m/s²\].
-    fn push(&self, time: R, chaser: &Spin<R>, debris: &Spin<R>) -> Vec3<R> {
-        let to_lvlh = Lvlh::at(&self.around.orbit, time).attitude.conjugate();
-        let own = self.on_chaser(time, &chaser.attitude).force * self.vehicle.inverse_mass;
+    #[inline(always)]
+    fn push(&self, to_lvlh: &Quat<R>, chaser: &Spin<R>, debris: &Spin<R>) -> Vec3<R> {
+        let own = self.on(Which::Chaser, to_lvlh, chaser.attitude).force * self.vehicle.inverse_mass;
         let free = (R::one() - self.joint.joined) / self.masses[1];
-        let others = self.on_debris(time, &debris.attitude).force * free;
-        (to_lvlh * chaser.attitude).rotate(own) - (to_lvlh * debris.attitude).rotate(others)
+        let others = self.on(Which::Debris, to_lvlh, debris.attitude).force * free;
+        (*to_lvlh * chaser.attitude).rotate(own) - (*to_lvlh * debris.attitude).rotate(others)
+    }
+
+    /// A body after a step.
+    #[inline(always)]
+    fn turn(&self, which: Which, spin: &Spin<R>, over: &Span<R>) -> Spin<R> {
+        let body = self.inertia(which);
+        let turning = Turning { plant: self, which, over };
+        let start = Turned { attitude: spin.attitude, momentum: body.momentum(spin.rate) };
+        let pull = turning.rate(0.0, &start);
+        let sum = rk4_sum(&turning, &start, &pull, over.h);
+        let sixth = over.h * R::splat(1.0 / 6.0);
+        let end = start.advanced(sixth, &sum);
+        let rate = spin.rate + body.rate(sum.momentum * sixth);
+        let bend = pull.momentum - turning.rate(1.0, &end).momentum;
+        Spin { attitude: rotated(body, spin, rate, bend, over.h), rate }
     }
 }
 
-/// Attitude and momentum of a body under a torque that depends on time and attitude, body axes.
-struct Turning<'a, R, F> {
-    body: &'a Inertia<R>,
-    begin: R,
+/// A step, or half of one.
+struct Span<R> {
+    /// N -> H at its beginning, middle and end.
+    to_lvlh: [Quat<R>; 3],
+    /// Its length \[s\].
     h: R,
-    torque: &'a F,
+}
+
+/// q' and L' of a body.
+struct Turning<'a, R> {
+    plant: &'a Disturbed<'a, R>,
+    which: Which,
+    over: &'a Span<R>,
 }
 
 #[derive(Clone, Copy)]
@@ -147,24 +213,28 @@ struct Turned<R> {
     momentum: Vec3<R>,
 }
 
-impl<R: Real, F: Fn(R, &Quat<R>) -> Vec3<R>> Dynamics<R> for Turning<'_, R, F> {
+impl<R: Real> Dynamics<R> for Turning<'_, R> {
     type State = Turned<R>;
 
+    #[inline(always)]
     fn rate(&self, fraction: f64, state: &Turned<R>) -> Turned<R> {
-        let rate = self.body.rate(state.momentum);
-        let torque = (self.torque)(self.begin + self.h * R::splat(fraction), &state.attitude);
+        let rate = self.plant.inertia(self.which).rate(state.momentum);
+        let to_lvlh = &self.over.to_lvlh[(2.0 * fraction) as usize];
+        let torque = self.plant.on(self.which, to_lvlh, state.attitude).torque;
         Turned {
             attitude: state.attitude.times_pure(rate * R::splat(0.5)),
             momentum: torque - rate.cross(state.momentum),
         }
     }
 
+    #[inline(always)]
     fn advance(state: &Turned<R>, time: R, rate: &Turned<R>) -> Turned<R> {
         state.advanced(time, rate)
     }
 }
 
 impl<R: Real> Turned<R> {
+    #[inline(always)]
     fn advanced(&self, time: R, rate: &Self) -> Self {
         let mut attitude = self.attitude;
         for i in 0..4 {
@@ -172,25 +242,6 @@ impl<R: Real> Turned<R> {
         }
         Self { attitude, momentum: Vec3::splat(time).mul_add(rate.momentum, self.momentum) }
     }
-}
-
-/// One step of length `h` from `begin` under a torque in body axes.
-fn turn<R: Real>(
-    body: &Inertia<R>,
-    spin: &Spin<R>,
-    begin: R,
-    h: R,
-    torque: &impl Fn(R, &Quat<R>) -> Vec3<R>,
-) -> Spin<R> {
-    let turning = Turning { body, begin, h, torque };
-    let start = Turned { attitude: spin.attitude, momentum: body.momentum(spin.rate) };
-    let pull = turning.rate(0.0, &start);
-    let sum = rk4_sum(&turning, &start, &pull, h);
-    let sixth = h * R::splat(1.0 / 6.0);
-    let end = start.advanced(sixth, &sum);
-    let rate = spin.rate + body.rate(sum.momentum * sixth);
-    let bend = pull.momentum - turning.rate(1.0, &end).momentum;
-    Spin { attitude: rotated(body, spin, rate, bend, h), rate }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use crate::case_struct;
 use crate::number::{Quat, Real, Vec3};
 
 case_struct! {
-    /// State of both bodies. After capture `position`, `velocity` and `chaser_*` are the stack's, and the debris rides along.
+    /// State of both bodies. After capture `position`, `velocity` and `chaser_*` are the stack's, and the debris is fixed to it.
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
     pub struct Motion<R> {
         /// r_CD_H: chaser relative to the debris' orbit, in H \[m\].

@@ -23,7 +23,7 @@ from detumble.analysis.bounds.bound import ENDS, bound_of
 from detumble.analysis.bounds.detumbling import detumble_lower, largest_moment
 from detumble.analysis.bounds.earliest import minimum_capture_times
 from detumble.analysis.bounds.fuel import delta_v_lower
-from detumble.analysis.bounds.pursuit import Pursuit, start_of
+from detumble.analysis.bounds.pursuit import Pursuit, check_undisturbed, start_of
 from detumble.surroundings import available_threads
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def capture_bounds(
         (runs,) s: no capture can come earlier (`analysis.bounds.earliest`); inf where none can come at all.
 
     Raises:
-        ScenarioError: the scenario cannot be flown.
+        ScenarioError: the scenario cannot be flown, or a disturbance acts.
     """
     return _bounds("capture", trials, np.empty((trials.count, 0)), processes, progress)[:, 0]
 
@@ -91,7 +91,7 @@ def delta_v_bounds(
         (k, runs) m/s, the time being that of `within`; NaN where that is not finite.
 
     Raises:
-        ScenarioError: the scenario cannot be flown.
+        ScenarioError: the scenario cannot be flown, or a disturbance acts.
     """
     times = within.reshape(-1, 1)
     found = _bounds("delta_v", trials, np.where(np.isfinite(times), times, np.nan), processes, progress)
@@ -118,7 +118,7 @@ def all_bounds(
         (runs,) by name: `capture_time_s.lower`, `capture_time_s.upper`, …; inf where there is none within the flight.
 
     Raises:
-        ScenarioError: the scenario cannot be flown.
+        ScenarioError: the scenario cannot be flown, or a disturbance acts.
         RequestError: CasADi is not installed.
     """
     shooting.casadi()  # raises here, not in a worker
@@ -137,8 +137,9 @@ def settling_bounds(trials: Trials, momentum: Array) -> Array:
         (k, runs) s; NaN where the momentum is.
 
     Raises:
-        ScenarioError: the scenario cannot be flown.
+        ScenarioError: the scenario cannot be flown, or a disturbance acts.
     """
+    check_undisturbed(trials.scenario)
     nominal, columns = trials.nominal("none"), _columns(trials, STACK)
     table = np.hstack([*columns.values(), np.empty((trials.count, 0))])
     _, firsts, members = np.unique(table, axis=0, return_index=True, return_inverse=True)
@@ -159,6 +160,7 @@ def _bounds(
     matters: tuple[str, ...] = CHASE,
 ) -> Array:
     """Bound each run, with further numbers (k runs, m): k times for run 0, 1, …; a row of results for each."""
+    check_undisturbed(trials.scenario)
     nominal, columns = trials.nominal("none"), _columns(trials, matters)
     widths = {path: values.shape[1] for path, values in columns.items()}
     fields = np.hstack([*columns.values(), np.empty((trials.count, 0))])

@@ -46,7 +46,8 @@ class Laws(Section):
         "epsilon", description="the laws use the vector part of the error quaternion, or twice it"
     )
     surface_rate: Literal["printed", "exact"] = Field(
-        "printed", description="rate of the surface in the sliding laws' compensation"
+        "printed",
+        description="rate of the surface in the compensation of tsmc and prrl; sosmc has none, stsmc always the exact one",
     )
     pd: Pd | None = None
     lqr: Lqr | None = None

@@ -20,6 +20,7 @@ pub mod stsmc;
 pub mod surface;
 pub mod tsmc;
 
+use crate::batch::Batch;
 use crate::gnc::error::TrackingError;
 use crate::gnc::guidance::Target;
 use crate::gnc::navigation::Estimate;
@@ -124,8 +125,18 @@ batch_enum! {
     pub enum ChannelMemory<R> {
         /// Nothing.
         None(()),
-        /// An integral of the reaching law, element by element.
-        Integral(Vec3<R>),
+        /// An integral of the reaching law.
+        Integral(Integral<R>),
+    }
+}
+
+batch_struct! {
+    /// An integral, element by element.
+    pub struct Integral<R> {
+        /// Its value.
+        pub value: Vec3<R>,
+        /// What it grows by over this period, where the actuators give what is asked for.
+        pub growth: Vec3<R>,
     }
 }
 
@@ -140,33 +151,39 @@ batch_struct! {
 }
 
 impl<R: Real> ChannelMemory<R> {
-    /// Axes on which the actuators are saturated keep what they remembered before: no integral winds up.
+    /// An integral of zero.
+    pub(crate) fn integral() -> Self {
+        Self::Integral(Integral { value: Vec3::zero(), growth: Vec3::zero() })
+    }
+
+    /// Integrals grow, but on axes on which the actuators are saturated: there they would wind up.
     #[inline(always)]
-    fn hold(&mut self, saturated: &[R::Mask; 3], before: &Self) {
-        if let (Self::Integral(now), Self::Integral(before)) = (self, before) {
+    fn grow(&mut self, saturated: &[R::Mask; 3]) {
+        if let Self::Integral(Integral { value, growth }) = self {
+            let grown = *value + *growth;
             let [x, y, z] = *saturated;
-            *now = Vec3([
-                R::select(x, before[0], now[0]),
-                R::select(y, before[1], now[1]),
-                R::select(z, before[2], now[2]),
+            *value = Vec3([
+                R::select(x, value[0], grown[0]),
+                R::select(y, value[1], grown[1]),
+                R::select(z, value[2], grown[2]),
             ]);
         }
     }
 
     #[inline(always)]
     fn reset(&mut self, lanes: R::Mask) {
-        if let Self::Integral(integral) = self {
-            *integral = Vec3::select(lanes, Vec3::zero(), *integral);
+        if let Self::Integral(_) = self {
+            *self = Self::choose(lanes, &Self::integral(), self);
         }
     }
 }
 
 impl<R: Real> LawMemory<R> {
-    /// Takes back what was learnt while the actuators could not follow.
+    /// Integrals grow where the actuators give what was asked for.
     #[inline(always)]
-    pub fn hold(&mut self, applied: &Applied<R>, before: &Self) {
-        self.translation.hold(&applied.force_saturated, &before.translation);
-        self.rotation.hold(&applied.torque_saturated, &before.rotation);
+    pub fn grow(&mut self, applied: &Applied<R>) {
+        self.translation.grow(&applied.force_saturated);
+        self.rotation.grow(&applied.torque_saturated);
     }
 }
 
@@ -215,7 +232,7 @@ impl<R: Real> Part<R> for Law<R> {
         Wrench { force: self.force(&mut memory.translation, &input), torque: self.torque(&mut memory.rotation, &input) }
     }
 
-    /// What was learnt of another body is void.
+    /// Integrals begin anew: they belong to another body.
     #[inline(always)]
     fn hand_over(&self, memory: &mut LawMemory<R>, lanes: R::Mask) {
         memory.translation.reset(lanes);

@@ -100,7 +100,7 @@ impl<R: Real> Reaching<R> {
     pub(super) fn begin(&self) -> ChannelMemory<R> {
         match self {
             Reaching::Layered(_) => ChannelMemory::None(()),
-            Reaching::SuperTwisting(_) => ChannelMemory::Integral(Vec3::zero()),
+            Reaching::SuperTwisting(_) => ChannelMemory::integral(),
         }
     }
 
@@ -112,9 +112,8 @@ impl<R: Real> Reaching<R> {
             (Reaching::SuperTwisting(SuperTwisting { k1, k2 }), ChannelMemory::Integral(v)) => {
                 let ([x, y, z], sign) = (s.abs().0, s.signum0());
                 let root = Vec3([x.sqrt(), y.sqrt(), z.sqrt()]);
-                let rate = *v - *k1 * root * sign;
-                *v -= *k2 * sign * period;
-                rate
+                v.growth = -(*k2 * sign * period);
+                v.value - *k1 * root * sign
             }
             (Reaching::SuperTwisting(_), ChannelMemory::None(())) => lanes_differ(),
         }

@@ -250,6 +250,8 @@ fn stsmc_has_its_known_answers_and_learns() {
     assert_near(&first.force.0, &force, 1e-15);
     assert_near(&first.torque.0, &torque, 1e-9);
     // The second time v = -k2 T sgn s: (-0.005, -0.01, -0.025) in translation, (-0.05, 0.1, -0.15) in rotation.
+    memory.translation.grow(&[false; 3]);
+    memory.rotation.grow(&[false; 3]);
     let second = law.step(&mut memory, input);
     assert_near(&second.force.0, &sum(force, times([-0.005, -0.01, -0.025], 9.0), 1.0), 1e-15);
     let turned = BEFORE.inertia * Vec3([-0.05, 0.1, -0.15]);

@@ -2,7 +2,7 @@
 //!
 //! Assumptions: constant in body axes or in H, whatever the attitude; forces act at the centre of mass of their body.
 
-use super::{Exposed, Of};
+use super::{Exposed, Which};
 use crate::case_struct;
 use crate::number::{Real, Vec3};
 use crate::part::Part;
@@ -53,9 +53,9 @@ impl<R: Real> Part<R> for ConstantLoad<'_, R> {
 
     #[inline(always)]
     fn step(&self, _: &mut (), body: &Exposed<'_, R>) -> Wrench<R> {
-        let (force, torque) = match body.of {
-            Of::Chaser => (self.loads.chaser_force, self.loads.chaser_torque),
-            Of::Debris => (self.loads.debris_force, self.loads.debris_torque),
+        let (force, torque) = match body.which {
+            Which::Chaser => (self.loads.chaser_force, self.loads.chaser_torque),
+            Which::Debris => (self.loads.debris_force, self.loads.debris_torque),
         };
         match self.axes {
             LoadAxes::None => Wrench::zero(),

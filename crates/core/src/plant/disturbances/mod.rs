@@ -1,14 +1,13 @@
 //! What acts on the bodies besides their actuators: a sum of parts without memory, evaluated within the integration step.
 //!
-//! Before capture each body has its own. After it the stack has what acts on a body as a whole, and carries on the loads of
-//! both, each at the centre of mass and in the axes of the body that it began on.
+//! Before capture each body has its own. After it the stack has what acts on a body as a whole, and the loads of both bodies,
+//! each at the centre of mass and in the axes of the body that it began on.
 
 pub mod constant;
 pub mod gravity_gradient;
 
 use self::constant::{Constant, ConstantLoad, LoadAxes};
 use self::gravity_gradient::GravityGradient;
-use super::lvlh::Lvlh;
 use super::wrench::Wrench;
 use crate::case_struct;
 use crate::number::{Mat3, Quat, Real, Vec3};
@@ -43,7 +42,7 @@ case_struct! {
 
 /// Which body a disturbance acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Of {
+pub enum Which {
     /// The chaser, after capture the stack.
     Chaser,
     /// The debris.
@@ -54,21 +53,13 @@ pub enum Of {
 #[derive(Clone, Copy, Debug)]
 pub struct Exposed<'a, R> {
     /// Which one.
-    pub of: Of,
+    pub which: Which,
     /// Body -> H.
     pub to_lvlh: Quat<R>,
     /// About its centre of mass, body axes \[kg m²\].
     pub inertia: &'a Mat3<R>,
     /// n \[rad/s\].
     pub mean_motion: R,
-}
-
-impl<'a, R: Real> Exposed<'a, R> {
-    /// A body with this attitude, body -> N.
-    #[inline(always)]
-    pub fn new(of: Of, attitude: Quat<R>, inertia: &'a Mat3<R>, lvlh: &Lvlh<R>) -> Self {
-        Self { of, to_lvlh: lvlh.attitude.conjugate() * attitude, inertia, mean_motion: lvlh.rate[2] }
-    }
 }
 
 impl Disturbances<f64> {
@@ -80,13 +71,14 @@ impl Disturbances<f64> {
 }
 
 impl<R: Real> Disturbances<R> {
-    /// The wrench on a body, its own axes.
-    pub fn on(&self, acting: Acting, body: &Exposed<'_, R>) -> Wrench<R> {
-        let loads = self.loads(acting, body);
-        if acting.gravity_gradient { loads + GravityGradient.step(&mut (), body) } else { loads }
+    /// What acts on a body as a whole, its axes.
+    #[inline(always)]
+    pub fn on_whole(&self, acting: Acting, body: &Exposed<'_, R>) -> Wrench<R> {
+        if acting.gravity_gradient { GravityGradient.step(&mut (), body) } else { Wrench::zero() }
     }
 
-    /// The part of it that stays with the body when it is joined to another.
+    /// What stays with a body when it is joined to another, its axes.
+    #[inline(always)]
     pub fn loads(&self, acting: Acting, body: &Exposed<'_, R>) -> Wrench<R> {
         ConstantLoad { loads: &self.constant, axes: acting.constant }.step(&mut (), body)
     }

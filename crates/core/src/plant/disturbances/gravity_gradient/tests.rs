@@ -1,6 +1,6 @@
 use super::*;
 use crate::number::{Mat3, Quat};
-use crate::plant::disturbances::Of;
+use crate::plant::disturbances::Which;
 use crate::tests::assert_near;
 
 /// μ of the published case \[m³/s²\].
@@ -30,7 +30,7 @@ fn torque_of_the_published_case() {
     assert_near(&to_inertial.rotate(Vec3([1.0, 0.0, 0.0])).0, &up.0, 1e-15);
     let inertia = Mat3::diagonal(Vec3([500.0, 800.0, 350.0]));
     let body = Exposed {
-        of: Of::Chaser,
+        which: Which::Chaser,
         to_lvlh: to_inertial.conjugate() * from_mrp([0.1, 0.2, -0.3]),
         inertia: &inertia,
         mean_motion: (MU / radius.powi(3)).sqrt(),
