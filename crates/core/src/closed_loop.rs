@@ -12,7 +12,7 @@ use crate::gnc::guidance::{self, StackGoal, Target};
 use crate::gnc::laws::{Law, LawInput, Seen, StackBelief};
 use crate::gnc::navigation::{self, Estimate};
 use crate::hardware::sensors::Sensed;
-use crate::number::{Mask, Quat, Real, Stream, Vec3};
+use crate::number::{Mask, Quat, Real, Stream, Vec3, Work};
 use crate::observer::{Observer, Tick};
 use crate::part::Part;
 use crate::plan::Plan;
@@ -73,23 +73,39 @@ fn control_tick<R: Real, O: Observer<R>>(
 fn fly_on<R: Real>(scene: &Scene<R>, flight: &mut Flight<R>, held: &Held<R>, time: R) {
     let plan = &scene.plan;
     let period = Period { time, step: scene.step, steps: plan.steps_per_period, shapes: scene.common.shapes };
-    let Numbers { around, case, .. } = &scene.numbers;
     if plan.disturbances.any() {
-        flight.truth = R::apart(Disturbed {
+        R::apart(DisturbedPeriod { scene, flight, held: *held, period });
+    } else {
+        propagate(&scene.numbers.around, &flight.vehicle, &mut flight.truth, held, &period);
+    }
+    follow_chaser(plan, flight);
+}
+
+/// A control period under disturbances, apart from the loop: it costs nothing where none acts.
+struct DisturbedPeriod<'a, R: Real> {
+    scene: &'a Scene<R>,
+    flight: &'a mut Flight<R>,
+    held: Held<R>,
+    period: Period<R>,
+}
+
+impl<R: Real> Work for DisturbedPeriod<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Numbers { around, case, .. } = &self.scene.numbers;
+        let disturbed = Disturbed {
             around,
             masses: [case.chaser.mass, case.debris.mass],
             disturbances: &case.disturbances,
-            acting: plan.disturbances,
-            vehicle: flight.vehicle,
-            joint: flight.joint,
-            held: *held,
-            motion: flight.truth,
-            period,
-        });
-    } else {
-        propagate(around, &flight.vehicle, &mut flight.truth, held, &period);
+            acting: self.scene.plan.disturbances,
+            vehicle: &self.flight.vehicle,
+            joint: &self.flight.joint,
+            held: self.held,
+        };
+        disturbed.propagate(&mut self.flight.truth, &self.period);
     }
-    follow_chaser(plan, flight);
 }
 
 /// Flies all lanes, each from its tick 0 to the tick at which its flight is over: that one is judged and commanded, but not

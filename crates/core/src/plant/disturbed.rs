@@ -19,7 +19,7 @@ use super::propagate::{Period, Surroundings};
 use super::rk4::{Dynamics, rk4_sum};
 use super::wrench::{Held, Wrench, WrenchFrame};
 use crate::batch_struct;
-use crate::number::{Quat, Real, Vec3, Work};
+use crate::number::{Quat, Real, Vec3};
 use crate::plant::body::Vehicle;
 
 batch_struct! {
@@ -42,8 +42,7 @@ impl<R: Real> Joint<R> {
     }
 }
 
-/// A control period of both bodies, and all that acts on them. What changes in flight comes by value: the loop keeps no
-/// memory for it where nothing disturbs.
+/// The plant and all that acts on it over a control period.
 pub struct Disturbed<'a, R> {
     /// Orbit and debris.
     pub around: &'a Surroundings<R>,
@@ -54,33 +53,23 @@ pub struct Disturbed<'a, R> {
     /// Those that act.
     pub acting: Acting,
     /// What flies.
-    pub vehicle: Vehicle<R>,
+    pub vehicle: &'a Vehicle<R>,
     /// The bodies' connection.
-    pub joint: Joint<R>,
+    pub joint: &'a Joint<R>,
     /// The actuators' wrench.
     pub held: Held<R>,
-    /// Where it begins.
-    pub motion: Motion<R>,
-    /// The period.
-    pub period: Period<R>,
-}
-
-impl<R: Real> Work for Disturbed<'_, R> {
-    type Output = Motion<R>;
-
-    /// The motion at the end of the period.
-    #[inline(always)]
-    fn run(self) -> Motion<R> {
-        let mut motion = self.motion;
-        for i in 0..self.period.steps {
-            let begin = self.period.time + R::splat(f64::from(i) * self.period.step);
-            self.integrate(&mut motion, begin, R::splat(self.period.step));
-        }
-        motion
-    }
 }
 
 impl<R: Real> Disturbed<'_, R> {
+    /// Moves both bodies over the period.
+    #[inline(always)]
+    pub fn propagate(&self, motion: &mut Motion<R>, period: &Period<R>) {
+        for i in 0..period.steps {
+            let begin = period.time + R::splat(f64::from(i) * period.step);
+            self.integrate(motion, begin, R::splat(period.step));
+        }
+    }
+
     #[inline(always)]
     fn integrate(&self, motion: &mut Motion<R>, begin: R, h: R) {
         let half = h * R::splat(0.5);
@@ -146,7 +135,7 @@ impl<R: Real> Disturbed<'_, R> {
     /// Zero before capture.
     #[inline(always)]
     fn carried(&self, to_lvlh: &Quat<R>, attitude: Quat<R>, chaser: &Exposed<'_, R>) -> Wrench<R> {
-        let Joint { joined, mount, offset } = self.joint;
+        let Joint { joined, mount, offset } = *self.joint;
         let debris = Exposed { which: Which::Debris, to_lvlh: *to_lvlh * (attitude * mount), ..*chaser };
         let Wrench { force, torque } = self.disturbances.loads(self.acting, &debris);
         let (force, torque) = (mount.rotate(force) * joined, mount.rotate(torque) * joined);

@@ -43,27 +43,22 @@ impl Setting {
         }
     }
 
-    fn disturbed<'a>(
-        &'a self,
-        around: &'a Surroundings<f64>,
-        start: &Motion<f64>,
-        period: Period<f64>,
-    ) -> Disturbed<'a, f64> {
+    fn disturbed<'a>(&'a self, around: &'a Surroundings<f64>) -> Disturbed<'a, f64> {
         Disturbed {
             around,
             masses: MASSES,
             disturbances: &self.disturbances,
             acting: self.acting,
-            vehicle: self.vehicle,
-            joint: self.joint,
+            vehicle: &self.vehicle,
+            joint: &self.joint,
             held: self.held,
-            motion: *start,
-            period,
         }
     }
 
     fn fly(&self, start: &Motion<f64>, step: f64, steps: u32) -> Motion<f64> {
-        self.disturbed(&self.around(step), start, period(step, steps)).run()
+        let mut motion = *start;
+        self.disturbed(&self.around(step)).propagate(&mut motion, &period(step, steps));
+        motion
     }
 }
 
@@ -147,9 +142,7 @@ fn a_joined_body_brings_its_load_and_the_lever_of_it() {
     setting.disturbances.constant =
         Constant { chaser_force: chaser, chaser_torque, debris_force: debris, debris_torque };
     let around = setting.around(0.1);
-    let start = motion(&mut random);
-    let found =
-        setting.disturbed(&around, &start, period(0.1, 1)).on(Which::Chaser, &random.attitude(), random.attitude());
+    let found = setting.disturbed(&around).on(Which::Chaser, &random.attitude(), random.attitude());
     let pushed = mount.rotate(debris);
     // From the common centre of mass: the chaser lies at m_d/(m_c + m_d) of the offset, the debris on the other side.
     let [at_chaser, at_debris] = [offset * (4.0 / 13.0), offset * (-9.0 / 13.0)];
