@@ -268,7 +268,7 @@ fn law_recipe(law: &str, way: Way) -> LawRecipe {
         }
         "stsmc" => {
             let gains = |slope, k1, k2| stsmc::Gains { slope: v(slope), k1: v(k1), k2: v(k2) };
-            let one = of(form, gains(0.0181, 6.68e-3, 5.91e-6), gains(0.522, 0.402, 1.08e-3));
+            let one = of(form, gains(0.0181, 6.68e-3, 5.91e-6), gains(0.6, 0.05, 1e-3));
             LawRecipe::Stsmc(Gains { form: None, ..one })
         }
         _ => {
