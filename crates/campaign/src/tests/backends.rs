@@ -147,11 +147,11 @@ fn portable_numbers_agree_with_lanes_over_600_s_without_noise() {
             // 1e-5 rad/s, and where it is on its way at 600 s hangs on round-off. Not a fault of the numbers: such a
             // law does not say more than that. Without the own rate the wandering is a steady cycle, which keeps 1e-11.
             let terminal = law == "tsmc" && way == Way::Corrected;
-            // Super-twisting is infinitely steep at s = 0 too, and round-off may turn its sign a tick sooner.
+            // Super-twisting is infinitely steep at s = 0 too: it cycles about the surface, and round-off decides the phase.
             let tolerance = if terminal {
                 1e-4
             } else if law == "stsmc" {
-                1e-6
+                1e-5
             } else {
                 1e-12
             };
