@@ -489,6 +489,6 @@ def test_a_diagonal_inertia_stays_exactly_diagonal(paper: Scenario) -> None:
 
 def test_the_core_refuses_names_that_it_does_not_know(dispersed: Scenario) -> None:
     recipe = spec(dispersed)
-    recipe["dispersions"][0]["law"]["elements"][0]["sigmaa"] = 1.0
+    recipe["dispersions"][0]["distribution"]["elements"][0]["sigmaa"] = 1.0
     with pytest.raises(Exception, match="unknown field `sigmaa`"):
         core().draw(recipe, 0, 0, 1)

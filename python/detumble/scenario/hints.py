@@ -197,10 +197,10 @@ def _drawn(scenario: Scenario, path: str) -> float:
 
     for dispersion in scenario.dispersions:
         if dispersion.field == path:
-            law = resolved(dispersion, scenario.at)[1]["law"]
-            if law["kind"] == "direction":
-                return float(law["magnitude"]["high"])
-            reached = [_easily(element) for element in law["elements"]]
+            distribution = resolved(dispersion, scenario.at)[1]["distribution"]
+            if distribution["kind"] == "direction":
+                return float(distribution["magnitude"]["high"])
+            reached = [_easily(element) for element in distribution["elements"]]
             return max(reached)
     return 0.0
 

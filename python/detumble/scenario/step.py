@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from detumble.scenario.model import Scenario
 
-Laws = dict[str, dict[str, Any]]
+Distributions = dict[str, dict[str, Any]]
 """Distributions by the path of their field, as the core takes them."""
 
 
@@ -68,17 +68,17 @@ def worst_body(scenario: Scenario) -> tuple[Sequence[float], float]:
     """
     from detumble.scenario.dispersions.fitting import resolved
 
-    laws: Laws = {}
+    drawn: Distributions = {}
     for dispersion in scenario.dispersions:
         if dispersion.field.split(".")[-1] in ("inertia", "rate", "tumble_rate"):
-            aim, drawn = resolved(dispersion, scenario.at)
-            laws[aim.path] = drawn["law"]
-    chaser, debris = _inertia(scenario, laws, "chaser"), _inertia(scenario, laws, "debris")
-    rate = max(_rate(scenario, laws, "chaser.rate", chaser), _rate(scenario, laws, "debris.tumble_rate", debris))
+            aim, resolved_one = resolved(dispersion, scenario.at)
+            drawn[aim.path] = resolved_one["distribution"]
+    chaser, debris = _inertia(scenario, drawn, "chaser"), _inertia(scenario, drawn, "debris")
+    rate = max(_rate(scenario, drawn, "chaser.rate", chaser), _rate(scenario, drawn, "debris.tumble_rate", debris))
     bodies = [chaser]
     if scenario.capture.merge and scenario.capture.transition == "momentum_conserving":
         bodies.append(ANY_BODY)
-    if scenario.capture.merge or "debris.inertia" in laws or not flown_exactly(scenario):
+    if scenario.capture.merge or "debris.inertia" in drawn or not flown_exactly(scenario):
         bodies.append(debris)
     return most_asymmetric(*bodies), rate
 
@@ -91,25 +91,25 @@ def flown_exactly(scenario: Scenario) -> bool:
     return full[0][0] == full[1][1] and not any(full[i][j] for i, j in ((0, 1), (0, 2), (1, 2)))
 
 
-def _inertia(scenario: Scenario, laws: Laws, body: str) -> Sequence[float]:
+def _inertia(scenario: Scenario, drawn: Distributions, body: str) -> Sequence[float]:
     """Give the moments of a body, of all that it may have the most asymmetric: its second moments are drawn apart."""
     moments = principal_moments(scenario.at(f"{body}.inertia"))
-    law = laws.get(f"{body}.inertia")
-    if law is None:
+    distribution = drawn.get(f"{body}.inertia")
+    if distribution is None:
         return moments
-    scale = law["log_scale"]
+    scale = distribution["log_scale"]
     second = [0.5 * sum(moments) - moment for moment in moments]  # falling
     large, middle, small = second[0] * math.exp(scale["high"]), second[1], second[2] * math.exp(scale["low"])
     return (middle + small, large + small, large + middle)
 
 
-def _rate(scenario: Scenario, laws: Laws, path: str, inertia: Sequence[float]) -> float:
+def _rate(scenario: Scenario, drawn: Distributions, path: str, inertia: Sequence[float]) -> float:
     """Give the largest rate that a body may reach by itself, rad/s."""
-    law = laws.get(path)
-    if law is None:
+    distribution = drawn.get(path)
+    if distribution is None:
         start = math.hypot(*scenario.at(path))
-    elif law["kind"] == "direction":
-        start = law["magnitude"]["high"]
+    elif distribution["kind"] == "direction":
+        start = distribution["magnitude"]["high"]
     else:
-        start = math.hypot(*(max(-element["low"], element["high"]) for element in law["elements"]))
+        start = math.hypot(*(max(-element["low"], element["high"]) for element in distribution["elements"]))
     return start * math.hypot(1.0, asymmetry(inertia))

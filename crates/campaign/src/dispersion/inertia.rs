@@ -18,7 +18,7 @@ type Matrix = [[f64; 3]; 3];
 /// An inertia about the centre of mass.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct InertiaLaw {
+pub struct InertiaDistribution {
     /// Symmetric, of a rigid body \[kg m²\].
     pub nominal: Matrix,
     /// Logarithm of the factor on each principal second moment.
@@ -36,13 +36,18 @@ pub(super) struct InertiaSampler {
 }
 
 impl InertiaSampler {
-    pub(super) fn new(law: &InertiaLaw) -> Self {
-        let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = law.nominal;
+    pub(super) fn new(distribution: &InertiaDistribution) -> Self {
+        let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = distribution.nominal;
         let diagonal = [0.5 * (yy + zz - xx), 0.5 * (xx + zz - yy), 0.5 * (xx + yy - zz)];
         let (moments, axes) = eigen([[diagonal[0], -xy, -xz], [-xy, diagonal[1], -yz], [-xz, -yz, diagonal[2]]]);
         // Of a flat body rounding may leave less than nothing.
         let moments = moments.map(|moment| if moment > 0.0 { moment } else { 0.0 });
-        Self { moments, axes, log_scale: Quantile::new(&law.log_scale), turn: TurnSampler::new(&law.turn) }
+        Self {
+            moments,
+            axes,
+            log_scale: Quantile::new(&distribution.log_scale),
+            turn: TurnSampler::new(&distribution.turn),
+        }
     }
 
     /// xx, yy, zz, xy, xz, yz from three numbers for the second moments and three for the turn.
@@ -103,9 +108,9 @@ fn eigen(mut a: Matrix) -> ([f64; 3], Matrix) {
 mod tests {
     use super::*;
 
-    fn law(nominal: Matrix, relative: f64, turn: Turn) -> InertiaSampler {
+    fn distribution(nominal: Matrix, relative: f64, turn: Turn) -> InertiaSampler {
         let log_scale = Marginal::Normal { mean: 0.0, sigma: relative, low: -7.0 * relative, high: 7.0 * relative };
-        InertiaSampler::new(&InertiaLaw { nominal, log_scale, turn })
+        InertiaSampler::new(&InertiaDistribution { nominal, log_scale, turn })
     }
 
     const FULL: Matrix = [[0.19, 0.012, -0.008], [0.012, 0.31, 0.010], [-0.008, 0.010, 0.29]];
@@ -141,7 +146,7 @@ mod tests {
 
     #[test]
     fn the_median_draw_is_the_nominal_inertia() {
-        let [xx, yy, zz, xy, xz, yz] = law(FULL, 0.2, Turn::None).at(MIDDLE);
+        let [xx, yy, zz, xy, xz, yz] = distribution(FULL, 0.2, Turn::None).at(MIDDLE);
         for (i, row) in [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].iter().enumerate() {
             for (drawn, nominal) in row.iter().zip(FULL[i]) {
                 assert!((drawn - nominal).abs() < 1e-15);
@@ -151,7 +156,7 @@ mod tests {
 
     #[test]
     fn a_diagonal_inertia_stays_exactly_diagonal_and_a_flat_body_flat() {
-        let flat = law([[0.05, 0.0, 0.0], [0.0, 0.08, 0.0], [0.0, 0.0, 0.13]], 0.3, Turn::None);
+        let flat = distribution([[0.05, 0.0, 0.0], [0.0, 0.08, 0.0], [0.0, 0.0, 0.13]], 0.3, Turn::None);
         for k in 1..100 {
             let u = f64::from(k) / 100.0;
             let [xx, yy, zz, xy, xz, yz] = flat.at([u, 0.3, 1.0 - u, 0.1, 0.2, 0.3]);
@@ -162,7 +167,7 @@ mod tests {
 
     #[test]
     fn a_turn_keeps_the_principal_moments() {
-        let turned = law(FULL, 0.0, Turn::Uniform);
+        let turned = distribution(FULL, 0.0, Turn::Uniform);
         let (mut nominal, _) = eigen(FULL);
         nominal.sort_by(f64::total_cmp);
         for k in 1..100 {

@@ -15,9 +15,9 @@ mod normal;
 mod numbers;
 mod rotation;
 
-pub use inertia::InertiaLaw;
+pub use inertia::InertiaDistribution;
 pub use marginal::Marginal;
-pub use rotation::{DirectionLaw, Turn};
+pub use rotation::{DirectionDistribution, Turn};
 
 use detumble_core::number::Stream;
 use inertia::InertiaSampler;
@@ -43,20 +43,20 @@ pub struct Dispersion {
     /// Of the field, dotted.
     pub path: String,
     /// The distribution.
-    pub law: Law,
+    pub distribution: Distribution,
 }
 
 /// A distribution, by the shape of what it gives. SI, or the unit of the field.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-pub enum Law {
+pub enum Distribution {
     /// Independent numbers, one or three.
     Elements {
         /// One distribution for each.
         elements: Vec<Marginal>,
     },
     /// A vector by direction and length: three numbers.
-    Direction(DirectionLaw),
+    Direction(DirectionDistribution),
     /// An attitude, `nominal` ⊗ turn: unit quaternion, scalar first and not negative; four numbers.
     Attitude {
         /// Normalised when drawn.
@@ -65,14 +65,14 @@ pub enum Law {
         turn: Turn,
     },
     /// An inertia xx, yy, zz, xy, xz, yz: six numbers.
-    Inertia(InertiaLaw),
+    Inertia(InertiaDistribution),
 }
 
 /// Numbers that are drawn together.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Correlation {
-    /// Which: dispersion, and element of it. Its law is [`Law::Elements`].
+    /// Which: dispersion, and element of it. Its distribution is [`Distribution::Elements`].
     pub members: Vec<(usize, usize)>,
     /// Rows of L, each as long as there are members.
     pub factor: Vec<Vec<f64>>,
@@ -126,8 +126,8 @@ impl Runs {
 
     fn of_field(&self, dispersion: &Dispersion) -> Drawn {
         let path = &dispersion.path;
-        match &dispersion.law {
-            Law::Elements { elements } => match elements.as_slice() {
+        match &dispersion.distribution {
+            Distribution::Elements { elements } => match elements.as_slice() {
                 [one] => {
                     let x = Quantile::new(one);
                     self.rows(path, |[u]: [f64; 1]| [x.at(u)])
@@ -138,16 +138,16 @@ impl Runs {
                 }
                 _ => panic!("{path}: {} elements; allowed: 1 or 3", elements.len()),
             },
-            Law::Direction(law) => {
-                let sampler = DirectionSampler::new(law);
+            Distribution::Direction(distribution) => {
+                let sampler = DirectionSampler::new(distribution);
                 self.rows(path, |u| sampler.at(u))
             }
-            Law::Attitude { nominal, turn } => {
+            Distribution::Attitude { nominal, turn } => {
                 let (nominal, turn) = (Quaternion(*nominal), TurnSampler::new(turn));
                 self.rows(path, |u| nominal.times(turn.at(u)).canonical().0)
             }
-            Law::Inertia(law) => {
-                let sampler = InertiaSampler::new(law);
+            Distribution::Inertia(distribution) => {
+                let sampler = InertiaSampler::new(distribution);
                 self.rows(path, |u| sampler.at(u))
             }
         }
@@ -156,8 +156,10 @@ impl Runs {
     /// Draws the members of a group once more, now together.
     fn correlate(&self, dispersions: &[Dispersion], group: &Correlation, drawn: &mut [Drawn]) {
         let member = |&(field, element): &(usize, usize)| {
-            let Dispersion { path, law } = &dispersions[field];
-            let Law::Elements { elements } = law else { panic!("{path}: not drawn element by element") };
+            let Dispersion { path, distribution } = &dispersions[field];
+            let Distribution::Elements { elements } = distribution else {
+                panic!("{path}: not drawn element by element")
+            };
             (FieldNumbers::new(path), field, element, Quantile::new(&elements[element]))
         };
         let members: Vec<_> = group.members.iter().map(member).collect();

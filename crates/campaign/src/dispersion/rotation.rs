@@ -9,7 +9,7 @@ use serde::Deserialize;
 /// A vector by its direction and its length.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct DirectionLaw {
+pub struct DirectionDistribution {
     /// Middle of the cone, any length but zero.
     pub about: [f64; 3],
     /// Half angle of the cone \[rad\]; π is the whole sphere.
@@ -42,9 +42,13 @@ pub(super) struct DirectionSampler {
 }
 
 impl DirectionSampler {
-    pub(super) fn new(law: &DirectionLaw) -> Self {
-        let half = libm::sin(0.5 * law.cone);
-        Self { axes: axes_about(law.about), height: 2.0 * half * half, magnitude: Quantile::new(&law.magnitude) }
+    pub(super) fn new(distribution: &DirectionDistribution) -> Self {
+        let half = libm::sin(0.5 * distribution.cone);
+        Self {
+            axes: axes_about(distribution.about),
+            height: 2.0 * half * half,
+            magnitude: Quantile::new(&distribution.magnitude),
+        }
     }
 
     /// From numbers that give length, angle off the axis, and angle around it. By Archimedes the height of a uniform point
@@ -196,8 +200,9 @@ mod tests {
     fn directions_keep_to_their_cone_and_length() {
         let about = [0.3, -0.4, 1.2];
         for cone in [1e-7, 0.1, 1.0, 3.0] {
-            let law = DirectionLaw { about, cone, magnitude: Marginal::Uniform { low: 0.02, high: 0.02 } };
-            let sampler = DirectionSampler::new(&law);
+            let distribution =
+                DirectionDistribution { about, cone, magnitude: Marginal::Uniform { low: 0.02, high: 0.02 } };
+            let sampler = DirectionSampler::new(&distribution);
             let mut widest = 0.0;
             for u in uniforms(300) {
                 let v = Vec3(sampler.at(u));

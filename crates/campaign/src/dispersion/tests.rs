@@ -4,20 +4,24 @@ fn element(mean: f64, sigma: f64) -> Marginal {
     Marginal::Normal { mean, sigma, low: mean - 7.0 * sigma, high: mean + 7.0 * sigma }
 }
 
-fn field(path: &str, law: Law) -> Dispersion {
-    Dispersion { path: path.to_owned(), law }
+fn field(path: &str, distribution: Distribution) -> Dispersion {
+    Dispersion { path: path.to_owned(), distribution }
 }
 
 fn spec() -> Spec {
-    let mass = Law::Elements { elements: vec![element(9.0, 0.2)] };
-    let distance = Law::Elements { elements: vec![Marginal::LogUniform { low: 0.1, high: 10.0 }] };
-    let position = Law::Elements { elements: vec![element(0.0, 1.0), element(1.0, 0.0), element(2.0, 3.0)] };
+    let mass = Distribution::Elements { elements: vec![element(9.0, 0.2)] };
+    let distance = Distribution::Elements { elements: vec![Marginal::LogUniform { low: 0.1, high: 10.0 }] };
+    let position = Distribution::Elements { elements: vec![element(0.0, 1.0), element(1.0, 0.0), element(2.0, 3.0)] };
     let magnitude = Marginal::Uniform { low: 0.0, high: 0.1 };
-    let tumble = Law::Direction(DirectionLaw { about: [1.0, 1.0, 0.0], cone: 0.5, magnitude });
-    let attitude = Law::Attitude { nominal: [0.96, 0.24, -0.12, 0.08], turn: Turn::Uniform };
+    let tumble = Distribution::Direction(DirectionDistribution { about: [1.0, 1.0, 0.0], cone: 0.5, magnitude });
+    let attitude = Distribution::Attitude { nominal: [0.96, 0.24, -0.12, 0.08], turn: Turn::Uniform };
     let nominal = [[0.1, 0.01, 0.0], [0.01, 0.1, 0.0], [0.0, 0.0, 0.05]];
     let log_scale = element(0.0, 0.1);
-    let inertia = Law::Inertia(InertiaLaw { nominal, log_scale, turn: Turn::Vector { component: element(0.0, 0.05) } });
+    let inertia = Distribution::Inertia(InertiaDistribution {
+        nominal,
+        log_scale,
+        turn: Turn::Vector { component: element(0.0, 0.05) },
+    });
     Spec {
         dispersions: vec![
             field("chaser.mass", mass),

@@ -32,13 +32,13 @@ def spec(scenario: Scenario) -> dict[str, Any]:
         ScenarioError: the scenario contradicts itself.
     """
     scenario.check()
-    laws: list[dict[str, Any]] = []
+    resolved_all: list[dict[str, Any]] = []
     named: dict[str, tuple[int, int]] = {}
     for number, dispersion in enumerate(scenario.dispersions):
-        aim, law = resolved(dispersion, scenario.at)
-        laws.append(law)
+        aim, one = resolved(dispersion, scenario.at)
+        resolved_all.append(one)
         named |= members(number, dispersion, aim)
-    return {"dispersions": laws, "correlations": [group.resolved(named) for group in scenario.correlations]}
+    return {"dispersions": resolved_all, "correlations": [group.resolved(named) for group in scenario.correlations]}
 
 
 def draw(scenario: Scenario, seed: int, first: int, count: int) -> dict[str, NDArray[np.float64]]:

@@ -91,7 +91,7 @@ class Dispersion(Section):
     shapes: ClassVar[tuple[Shape, ...]]
     """What it can disperse."""
 
-    def law(self, target: Target) -> Tree:
+    def resolve(self, target: Target) -> Tree:
         """Give the distribution as the core takes it, resolved against its field.
 
         Raises:

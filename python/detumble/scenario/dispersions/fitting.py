@@ -116,7 +116,7 @@ def resolved(dispersion: Dispersion, at: At) -> tuple[Target, Tree]:
     aim = target(dispersion.field, at)
     if aim.quantity.shape not in dispersion.shapes:
         raise Misfit("distribution", f"does not fit {aim.path}; use {FITTING[aim.quantity.shape]}")
-    return aim, {"path": aim.path, "law": dispersion.law(aim)}
+    return aim, {"path": aim.path, "distribution": dispersion.resolve(aim)}
 
 
 def members(number: int, dispersion: Dispersion, aim: Target) -> dict[str, tuple[int, int]]:

@@ -22,7 +22,7 @@ class Elementwise(Dispersion):
 
     shapes = ("number", "vector", "axes")
 
-    def law(self, target: Target) -> Tree:
+    def resolve(self, target: Target) -> Tree:
         """Give every element's distribution."""
         return {"kind": "elements", "elements": [self.marginal(target, k) for k in range(len(target.values))]}
 
@@ -84,7 +84,7 @@ class Gaussian(Elementwise):
     alternatives: ClassVar[tuple[tuple[str, str], ...]] = (("sigma", "relative"),)
     relations: ClassVar[tuple[Relation, ...]] = (_SIGMA_OR_RELATIVE,)
 
-    def law(self, target: Target) -> Tree:
+    def resolve(self, target: Target) -> Tree:
         """Give every element's distribution, if there is any spread."""
         if any(map(math.isinf, target.values)):
             raise Misfit("field", "is inf, and nothing lies about that; give it a finite value, or use uniform")
@@ -92,7 +92,7 @@ class Gaussian(Elementwise):
             if self.sigma is None and any(self.relative if isinstance(self.relative, tuple) else (self.relative,)):
                 raise Misfit("relative", f"a share of {target.path} = {shown(target.nominal)} is nothing; use sigma")
             raise Misfit(self._spread, "must be greater than 0")
-        return super().law(target)
+        return super().resolve(target)
 
     @property
     def _spread(self) -> str:

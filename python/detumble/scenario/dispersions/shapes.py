@@ -47,7 +47,7 @@ class Direction(Dispersion):
         Relation("magnitude", ("magnitude", "low", "high"), _magnitude_fault),
     )
 
-    def law(self, target: Target) -> Tree:
+    def resolve(self, target: Target) -> Tree:
         """Give cone and length."""
         x, y, z = target.nominal
         length = math.sqrt(x * x + y * y + z * z)
@@ -79,7 +79,7 @@ class Attitude(Dispersion):
 
     shapes = ("quaternion",)
 
-    def law(self, target: Target) -> Tree:
+    def resolve(self, target: Target) -> Tree:
         """Give the turn off the nominal attitude."""
         turn = {"kind": "uniform"} if self.sigma is None else {"kind": "vector", "component": normal(0.0, self.sigma)}
         return {"kind": "attitude", "nominal": list(target.nominal), "turn": turn}
@@ -118,7 +118,7 @@ class InertiaSpread(Dispersion):
         ),
     )
 
-    def law(self, target: Target) -> Tree:
+    def resolve(self, target: Target) -> Tree:
         """Give the spread of the second moments and the turn of their axes."""
         fault = physics.inertia_fault(target.nominal)
         if fault:
