@@ -58,8 +58,16 @@ def measure() -> dict[str, float]:
         columns = start_columns(starts[:count])
         return lambda: core().fly_many(case, columns, count, seed=1, threads=threads, backend=backend)
 
+    disturbed = {
+        "gravity_gradient": {"gravity_gradient": True, "constant": "none"},
+        "loads": {"gravity_gradient": False, "constant": "lvlh"},
+    }
     cores = os.cpu_count() or 1
     actions: dict[str, Callable[[], object]] = {f"w_{b}": fly(b, 1, flights[b]) for b in backends}
+    columns = start_columns(starts[:64])
+    for name, acting in disturbed.items():
+        other = case | {"plan": case["plan"] | {"disturbances": acting}}
+        actions[f"w_{name}"] = partial(core().fly_many, other, columns, 64, seed=1)
     actions["w_all_cores"] = fly(backends[-1], cores, 1024)
     actions["flight_600s_s"] = lambda: detumble.simulate(scenario, law="prrl", seed=1).data
     actions["shell_run_paper_prrl_s"] = shell(str(HERE / "detumble"), "run", "paper", "--law", "prrl")
@@ -84,6 +92,8 @@ def measure() -> dict[str, float]:
         figures[f"w_steps_per_s_{backend}"] = rate
         figures[f"fma_peak_flops_{backend}"] = peak
         figures[f"fma_share_{backend}"] = rate * FLOP_PER_STEP / peak
+    for name in disturbed:
+        figures[f"w_steps_per_s_{name}"] = 64 * PERIODS / median[f"w_{name}"]
     figures["w_steps_per_s_all_cores"] = 1024 * PERIODS / median["w_all_cores"]
     return figures
 

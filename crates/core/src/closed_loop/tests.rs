@@ -9,13 +9,14 @@ use crate::gnc::guidance::{Goal, StackGoal};
 use crate::gnc::laws::LawRecipe;
 use crate::gnc::laws::belief::Belief;
 use crate::gnc::laws::{AttitudeError, StackBelief, SurfaceRate};
-use crate::gnc::laws::{Form, Gains, PhaseGains, pd};
+use crate::gnc::laws::{ChannelMemory, Form, Gains, LawMemory, PhaseGains, pd, stsmc};
 use crate::hardware::actuators::Limits;
 use crate::hardware::actuators::Saturation;
 use crate::hardware::sensors::NoiseSigmas;
 use crate::number::Mat3;
 use crate::plan::{End, Plan};
 use crate::plant::body::Body;
+use crate::plant::disturbances::constant::LoadAxes;
 use crate::plant::disturbances::{Acting, Disturbances};
 use crate::plant::motion::Motion;
 use crate::plant::orbit::Orbit;
@@ -27,6 +28,7 @@ struct Row {
     tick: Tick<f64>,
     truth: Motion<f64>,
     mass: f64,
+    memory: Option<LawMemory<f64>>,
 }
 
 #[derive(Default)]
@@ -34,6 +36,7 @@ struct Log {
     rows: Vec<Row>,
     captured_before_row: Vec<usize>,
     merged: usize,
+    handed_over: Option<LawMemory<f64>>,
 }
 
 impl Observer<f64> for Log {
@@ -41,12 +44,13 @@ impl Observer<f64> for Log {
         self.captured_before_row.push(self.rows.len());
     }
 
-    fn merged(&mut self, _lanes: bool, _flight: &Flight<f64>) {
+    fn merged(&mut self, _lanes: bool, flight: &Flight<f64>) {
         self.merged += 1;
+        self.handed_over = flight.memory.law;
     }
 
     fn observe(&mut self, _scene: &Scene<f64>, flight: &Flight<f64>, tick: &Tick<f64>) {
-        self.rows.push(Row { tick: *tick, truth: flight.truth, mass: flight.vehicle.mass });
+        self.rows.push(Row { tick: *tick, truth: flight.truth, mass: flight.vehicle.mass, memory: flight.memory.law });
     }
 }
 
@@ -168,7 +172,7 @@ fn capture_is_judged_on_the_truth_however_noisy_the_sensors() {
 }
 
 #[test]
-fn debris_rides_on_the_stack_as_it_was_caught() {
+fn debris_stays_fixed_to_the_stack_as_it_was_caught() {
     let (log, flight) = watch(&recipe());
     let caught = log.rows[8].truth;
     let mount = caught.chaser_attitude.conjugate() * caught.debris_attitude;
@@ -219,4 +223,45 @@ fn demand_is_kept_beside_what_the_actuators_give() {
     assert_near(&tick.applied.wrench.torque.0, &[-1e-6, 0.0, -1e-6], 0.0);
     recipe.plan.saturation = Saturation::Scaled;
     assert_near(&watch(&recipe).0.rows[0].tick.applied.wrench.torque.0, &[-5e-7, 0.0, -1e-6], 1e-20);
+}
+
+#[test]
+fn a_force_on_the_debris_turns_the_stack_by_its_lever() {
+    let mut recipe = recipe();
+    recipe.law = LawRecipe::None { segments: Vec::new() };
+    recipe.plan.disturbances.constant = LoadAxes::Lvlh;
+    let force = Vec3([2e-3, -1e-3, 0.0]);
+    recipe.case.disturbances.constant.debris_force = force;
+    let (log, flight) = watch(&recipe);
+    let rows = &log.rows[log.captured_before_row[0]..];
+    assert!(rows.len() > 8 && rows[0].mass == 14.0);
+    // The stack's centre of mass lies at r_S from the debris' when it is made; that place turns with it.
+    let to_inertial = |row: &Row| Lvlh::at(&recipe.case.orbit, row.tick.time).attitude;
+    let lever = rows[0].truth.chaser_attitude.rotate_inverse(to_inertial(&rows[0]).rotate(-rows[0].truth.position));
+    let torque = |row: &Row| row.truth.chaser_attitude.rotate(lever).cross(to_inertial(row).rotate(force));
+    let momentum = |row: &Row| row.truth.chaser_attitude.rotate(flight.vehicle.inertia.tensor * row.truth.chaser_rate);
+    let impulse = rows.windows(2).fold(Vec3::zero(), |sum, two| sum + (torque(&two[0]) + torque(&two[1])) * 0.25);
+    let gained = momentum(rows.last().unwrap()) - momentum(&rows[0]);
+    assert!(impulse.norm() > 1e-3);
+    assert_near(&gained.0, &impulse.0, 1e-4 * impulse.norm()); // trapezoidal rule
+}
+
+#[test]
+fn integrals_wait_for_saturated_axes_and_begin_anew_at_capture() {
+    let mut recipe = recipe();
+    let gains = stsmc::Gains { slope: Vec3([0.1; 3]), k1: Vec3([1e-3; 3]), k2: Vec3([1e-4; 3]) };
+    let phase = PhaseGains { translation: gains, rotation: gains };
+    recipe.law = LawRecipe::Stsmc(Gains { form: None, before: phase, after: phase });
+    recipe.case.start.position = Vec3([0.1, 0.2, 1.25]);
+    recipe.case.actuators.force = Vec3([1e-9, 0.1, 0.1]);
+    let (log, _) = watch(&recipe);
+    let integral = |memory: &Option<LawMemory<f64>>| match memory.expect("a law remembers").translation {
+        ChannelMemory::Integral(integral) => integral.value,
+        ChannelMemory::None(()) => panic!("super-twisting has an integral"),
+    };
+    let capture = log.captured_before_row[0];
+    let before = integral(&log.rows[capture - 1].memory);
+    // s > 0 in y until capture: -k2 T at each tick.
+    assert_near(&[before[0], before[1]], &[0.0, -1e-4 * 0.5 * capture as f64], 1e-15);
+    assert_eq!(integral(&log.handed_over), Vec3::zero());
 }

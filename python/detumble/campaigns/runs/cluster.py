@@ -89,7 +89,7 @@ class DaskExecutor:
                 ) from None
         logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # `_cluster_errors` gives one message
         try:
-            self._client: Any = distributed.Client(  # type: ignore[no-untyped-call]
+            self._client: Any = distributed.Client(  # type: ignore[no-untyped-call]  # it has no type hints
                 self._local or scheduler, timeout=_CONNECT_SECONDS
             )
         except (OSError, ValueError) as error:

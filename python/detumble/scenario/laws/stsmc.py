@@ -13,13 +13,13 @@ def _slope(unit: str) -> Gain:
 
 
 def _root(unit: str) -> Gain:
-    scale = lambda c: 1.5 * c.acceleration / c.speed**0.5  # noqa: E731  # 1.5 sqrt(L), L = acceleration / time
-    return Gain(unit, "rate per root of the surface; 1.5 sqrt(L) for a disturbance of slope L", scale)
+    meaning = "rate per root of the surface; 1.5 sqrt(L) for a disturbance of slope L"
+    return Gain(unit, meaning, lambda c: 1.5 * (c.acceleration / c.time) ** 0.5)
 
 
 def _integral(unit: str) -> Gain:
-    scale = lambda c: 1.1 * c.acceleration / c.time  # noqa: E731  # 1.1 L
-    return Gain(unit, "growth of the integral; 1.1 L for a disturbance of slope L", scale)
+    meaning = "growth of the integral; 1.1 L for a disturbance of slope L"
+    return Gain(unit, meaning, lambda c: 1.1 * c.acceleration / c.time)
 
 
 class StsmcTranslation(Channel):

@@ -185,3 +185,18 @@ fn disturbed_motion_converges_with_fourth_order() {
         }
     }
 }
+
+#[test]
+fn gravity_turns_the_stack_as_one_body() {
+    let mut random = Random::new(26);
+    let mut setting = Setting::new(&mut random);
+    setting.acting = Acting { constant: LoadAxes::None, gravity_gradient: true };
+    setting.joint = Joint { joined: 1.0, mount: random.attitude(), offset: random.vector(0.5) };
+    let (to_lvlh, attitude) = (random.attitude(), random.attitude());
+    let found = setting.disturbed(&setting.around(0.1)).on(Which::Chaser, &to_lvlh, attitude);
+    // Up is the x axis of H; H -> N -> C.
+    let up = attitude.rotate_inverse(to_lvlh.rotate_inverse(Vec3([1.0, 0.0, 0.0])));
+    let known = up.cross(setting.vehicle.inertia.tensor * up) * (3.0 * N * N);
+    assert_near(&found.torque.0, &known.0, 1e-21);
+    assert_eq!(found.force, Vec3::zero());
+}

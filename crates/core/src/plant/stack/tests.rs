@@ -227,3 +227,14 @@ fn approximate_transition_keeps_the_chasers_motion_and_adds_plain_matrices() {
         assert_near(&[stack.vehicle.inverse_mass * stack.vehicle.mass], &[1.0], 1e-15);
     }
 }
+
+#[test]
+fn offset_is_the_chasers_place_off_the_debris_in_its_own_axes() {
+    let mut random = Random::new(31);
+    for _ in 0..20 {
+        let pair = random_pair(&mut random);
+        let stack = merge_conserving(&pair.chaser, &pair.debris, &pair.motion, &pair.lvlh);
+        assert_near(&pair.motion.chaser_attitude.rotate(stack.offset).0, &pair.relative().0.0, 1e-15);
+        assert_eq!(merge_approximate(&pair.chaser, &pair.debris, &pair.motion).offset, Vec3::zero());
+    }
+}
